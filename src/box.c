@@ -1,0 +1,138 @@
+/* The box table: slots, handles, and which boxes changed.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * A slot is given out by box_add, emptied by box_remove and returned to the queue
+ * of free slots once the commit that reports the removal has run, so that a slot
+ * means one box to a commit. Every function but boxes_reserve works without
+ * allocating: there is room on the changed list for every slot. */
+#include "internal.h"
+
+static void queue_put(struct box_table *t, struct slot_queue *q, uint32_t slot)
+{
+    t->at[slot].next = NONE;
+    if (q->head == NONE) q->head = slot;
+    else t->at[q->tail].next = slot;
+    q->tail = slot;
+}
+
+static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
+{
+    uint32_t slot = q->head;
+    q->head = t->at[slot].next;
+    return slot;
+}
+
+void boxes_init(struct box_table *t)
+{
+    struct box_table empty = {0};
+    empty.removed.head = empty.removed.tail = NONE;
+    empty.free = empty.removed;
+    *t = empty;
+}
+
+void boxes_free(struct box_table *t, struct memory *m)
+{
+    memory_free(m, t->at, t->room, sizeof *t->at);
+    memory_free(m, t->user_data, t->room_user_data, sizeof *t->user_data);
+    memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
+}
+
+int boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
+{
+    return memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
+           memory_reserve(m, &t->user_data, &t->room_user_data, slots, t->used, sizeof *t->user_data) &&
+           memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
+}
+
+/* Gives the room back that no slot uses. */
+void boxes_trim(struct box_table *t, struct memory *m)
+{
+    if (t->used < t->room) memory_resize(m, &t->at, &t->room, t->used, t->used, sizeof *t->at);
+    if (t->used < t->room_user_data)
+        memory_resize(m, &t->user_data, &t->room_user_data, t->used, t->used, sizeof *t->user_data);
+    if (t->used < t->room_changed)
+        memory_resize(m, &t->changed, &t->room_changed, t->used, t->n_changed, sizeof *t->changed);
+}
+
+/* How many slots the table needs to take k more boxes. */
+size_t boxes_slots_for(const struct box_table *t, size_t k)
+{
+    size_t free = 0;
+    for (uint32_t slot = t->free.head; slot != NONE && free < k; slot = t->at[slot].next) free++;
+    return t->used + (k - free);
+}
+
+/* The box of a handle if it has one of the flags, or NULL. */
+struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
+{
+    uint32_t slot = slot_of(handle), generation = (uint32_t)handle;
+    if (slot >= t->used || generation == 0) return NULL;
+    struct box *b = &t->at[slot];
+    return b->generation == generation && (b->flags & flags) ? b : NULL;
+}
+
+static void mark_changed(struct box_table *t, uint32_t slot)
+{
+    if (t->at[slot].flags & BOX_CHANGED) return;
+    t->at[slot].flags |= BOX_CHANGED;
+    t->changed[t->n_changed++] = slot;
+}
+
+static uint32_t take_slot(struct box_table *t)
+{
+    if (t->free.head != NONE) return queue_take(t, &t->free);
+    t->at[t->used].generation = 1;
+    return (uint32_t)t->used++;
+}
+
+/* The table has room. Returns the slot. */
+uint32_t box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
+{
+    uint32_t slot = take_slot(t);
+    struct box *b = &t->at[slot];
+    b->now = b->before = *bounds;
+    b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
+    t->user_data[slot] = user_data;
+    t->live++;
+    mark_changed(t, slot);
+    return slot;
+}
+
+void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
+{
+    t->at[slot].now = *bounds;
+    mark_changed(t, slot);
+}
+
+void box_remove(struct box_table *t, uint32_t slot)
+{
+    t->at[slot].flags = (t->at[slot].flags & ~(uint32_t)BOX_LIVE) | BOX_REMOVED;
+    t->live--;
+    mark_changed(t, slot);
+    queue_put(t, &t->removed, slot);
+}
+
+/* The commit succeeded: what is now was before, and nothing is changed. */
+void boxes_committed(struct box_table *t)
+{
+    for (size_t i = 0; i < t->n_changed; i++) {
+        struct box *b = &t->at[t->changed[i]];
+        b->before = b->now;
+        b->flags &= ~(uint32_t)(BOX_CHANGED | BOX_WAS);
+        if (b->flags & BOX_LIVE) b->flags |= BOX_WAS;
+    }
+    t->n_changed = 0;
+}
+
+/* Gives the removed slots back for use under their next generation. */
+void boxes_free_removed(struct box_table *t)
+{
+    while (t->removed.head != NONE) {
+        uint32_t slot = queue_take(t, &t->removed);
+        struct box *b = &t->at[slot];
+        b->flags = 0;
+        if (++b->generation != 0) queue_put(t, &t->free, slot);
+    }
+}

@@ -1,0 +1,134 @@
+/* Adding, updating and removing boxes: check everything, then change everything.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * A single call is a batch of one. Each batch runs twice over its input: the first
+ * pass only reads and names the first offender, the second cannot fail. */
+#include "internal.h"
+
+static msap_status begin(msap_world *w)
+{
+    if (!w) return MSAP_ERROR_NULL;
+    return w->busy ? world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND) : MSAP_OK;
+}
+
+/* ------------------------------------------------------------------- adding */
+
+static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags)
+{
+    for (size_t i = 0; i < k; i++) {
+        struct bounds bounds;
+        uint32_t bound = MSAP_NO_BOUND;
+        msap_status status = bounds_read(boxes, i, w->dims, &bounds, &bound);
+        if (status == MSAP_OK && flags && (flags[i] & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
+        if (status != MSAP_OK) return world_fail(w, status, i, bound);
+    }
+    return MSAP_OK;
+}
+
+static msap_status reserve(msap_world *w, size_t k)
+{
+    if (k > w->max_boxes || w->boxes.live > w->max_boxes - k) return MSAP_ERROR_FULL;
+    size_t slots = boxes_slots_for(&w->boxes, k);
+    if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
+    if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
+    return sap_reserve(&w->sap, &w->memory, slots) ? MSAP_OK : MSAP_ERROR_MEMORY;
+}
+
+msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, const uint32_t *flags,
+                          void *const *user_data, msap_handle *handles)
+{
+    msap_status status = begin(world);
+    if (status != MSAP_OK) return status;
+    status = boxes_check(boxes, k);
+    if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
+    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
+    status = check_new(world, k, boxes, flags);
+    if (status != MSAP_OK) return status;
+    status = reserve(world, k);
+    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
+    for (size_t i = 0; i < k; i++) {
+        struct bounds bounds;
+        uint32_t bound;
+        bounds_read(boxes, i, world->dims, &bounds, &bound);
+        uint32_t slot = box_add(&world->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
+        handles[i] = handle_of(&world->boxes, slot);
+    }
+    return MSAP_OK;
+}
+
+msap_status msap_add(msap_world *world, const float *min, const float *max, uint32_t flags, void *user_data,
+                     msap_handle *handle)
+{
+    msap_boxes one = boxes_of_one(min, max);
+    return msap_add_many(world, 1, &one, &flags, &user_data, handle);
+}
+
+/* ----------------------------------------------------------------- updating */
+
+static msap_status check_update(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes)
+{
+    for (size_t i = 0; i < k; i++) {
+        struct bounds bounds;
+        uint32_t bound = MSAP_NO_BOUND;
+        msap_status status = MSAP_ERROR_HANDLE;
+        if (box_find(&w->boxes, handles[i], BOX_LIVE)) status = bounds_read(boxes, i, w->dims, &bounds, &bound);
+        if (status != MSAP_OK) return world_fail(w, status, i, bound);
+    }
+    return MSAP_OK;
+}
+
+msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles, const msap_boxes *boxes)
+{
+    msap_status status = begin(world);
+    if (status != MSAP_OK) return status;
+    status = boxes_check(boxes, k);
+    if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
+    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
+    status = check_update(world, k, handles, boxes);
+    if (status != MSAP_OK) return status;
+    for (size_t i = 0; i < k; i++) {
+        struct bounds bounds;
+        uint32_t bound;
+        bounds_read(boxes, i, world->dims, &bounds, &bound);
+        box_change(&world->boxes, slot_of(handles[i]), &bounds);
+    }
+    return MSAP_OK;
+}
+
+msap_status msap_update(msap_world *world, msap_handle handle, const float *min, const float *max)
+{
+    msap_boxes one = boxes_of_one(min, max);
+    return msap_update_many(world, 1, &handle, &one);
+}
+
+/* ----------------------------------------------------------------- removing */
+
+/* Takes BOX_LIVE from all of them, so that a handle that comes twice is stale the
+ * second time; an offender gives it back to those before it. */
+static msap_status check_remove(msap_world *w, size_t k, const msap_handle *handles)
+{
+    for (size_t i = 0; i < k; i++) {
+        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        if (!b) {
+            for (size_t j = 0; j < i; j++) w->boxes.at[slot_of(handles[j])].flags |= BOX_LIVE;
+            return world_fail(w, MSAP_ERROR_HANDLE, i, MSAP_NO_BOUND);
+        }
+        b->flags &= ~(uint32_t)BOX_LIVE;
+    }
+    return MSAP_OK;
+}
+
+msap_status msap_remove_many(msap_world *world, size_t k, const msap_handle *handles)
+{
+    msap_status status = begin(world);
+    if (status != MSAP_OK) return status;
+    if (k > 0 && !handles) return world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
+    status = check_remove(world, k, handles);
+    if (status != MSAP_OK) return status;
+    for (size_t i = 0; i < k; i++) box_remove(&world->boxes, slot_of(handles[i]));
+    return MSAP_OK;
+}
+
+msap_status msap_remove(msap_world *world, msap_handle handle) { return msap_remove_many(world, 1, &handle); }

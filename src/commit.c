@@ -1,0 +1,107 @@
+/* The commit: from pending changes to sorted events.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * 1. The SAP is brought up to date and touches pairs; settled, they make the lists
+ *    of fresh and doomed pairs.
+ * 2. The lists are sorted and freed of repeats: these are the events.
+ * 3. All memory that is still needed is taken. What fails up to here leaves the
+ *    pairs, the events of the last commit and the pending changes as they were, and
+ *    the world stale: the axes have moved on without their touches being kept, so
+ *    the next commit sweeps everything.
+ * 4. The pairs are changed and the changes are no longer pending. Nothing can fail
+ *    from here on.
+ * 5. The callbacks run; then the slots of removed boxes are free for reuse. */
+#include "internal.h"
+
+static void sort_events(struct keys *events, struct scratch *scratch, struct memory *m)
+{
+    sort_keys(events->at, events->n, events->n > 32 ? scratch_get(scratch, m, events->n) : NULL);
+    events->n = unique_keys(events->at, events->n);
+}
+
+/* Steps 1 and 2: fills the lists of events. */
+static msap_status find_events(msap_world *w)
+{
+    struct settler *s = &w->settler;
+    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, w->filters};
+    uint32_t strategy = w->strategy;
+    if (w->stale) strategy = MSAP_STRATEGY_SWEEP;
+    else if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, &job);
+    s->boxes = w->boxes.at;
+    s->memory = &w->memory;
+    sap_update(&w->sap, &job, strategy);
+    if (s->lost) return MSAP_ERROR_MEMORY;
+    sort_events(&s->fresh, &w->scratch, &w->memory);
+    sort_events(&s->doomed, &w->scratch, &w->memory);
+    w->strategy_used[strategy]++;
+    return MSAP_OK;
+}
+
+/* Step 3: room for the events, and on the doomed list for every pair there will be. */
+static msap_status reserve_events(msap_world *w)
+{
+    struct settler *s = &w->settler;
+    size_t active = w->pairs.active - s->doomed.n + s->fresh.n;
+    if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
+    if (s->fresh.n == 0) return MSAP_OK;
+    if (!pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n)) return MSAP_ERROR_MEMORY;
+    return keys_reserve(&s->doomed, &w->memory, active) ? MSAP_OK : MSAP_ERROR_MEMORY;
+}
+
+/* Steps 1 to 4. */
+static msap_status apply_changes(msap_world *w)
+{
+    struct settler *s = &w->settler;
+    s->fresh.n = s->doomed.n = 0;
+    s->lost = 0;
+    s->touched = s->crossings = 0;
+    if (w->boxes.n_changed > 0) {
+        msap_status status = find_events(w);
+        if (status == MSAP_OK) status = reserve_events(w);
+        w->stale = status != MSAP_OK;
+        if (status != MSAP_OK) return status;
+    }
+    pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
+    boxes_committed(&w->boxes);
+    w->commits++;
+    return MSAP_OK;
+}
+
+static void call_back(msap_world *w, const msap_callbacks *callbacks)
+{
+    const struct pair_table *t = &w->pairs;
+    if (t->deleted + t->created == 0) return;
+    void *const *data = w->boxes.user_data;
+    const msap_pair *deleted = t->at + t->active;
+    for (size_t i = 0; callbacks->on_delete && i < t->deleted; i++)
+        callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b, data[slot_of(deleted[i].a)],
+                             data[slot_of(deleted[i].b)], deleted[i].user_data);
+    msap_pair *created = t->at + (t->active - t->created);
+    for (size_t i = 0; callbacks->on_create && i < t->created; i++)
+        created[i].user_data = callbacks->on_create(callbacks->context, created[i].a, created[i].b,
+                                                    data[slot_of(created[i].a)], data[slot_of(created[i].b)]);
+}
+
+msap_status msap_commit(msap_world *world, const msap_callbacks *callbacks, msap_counts *counts)
+{
+    if (!world) return MSAP_ERROR_NULL;
+    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if ((callbacks && callbacks->struct_size != sizeof *callbacks) || (counts && counts->struct_size != sizeof *counts))
+        return world_fail(world, MSAP_ERROR_STRUCT_SIZE, 0, MSAP_NO_BOUND);
+    world->busy = 1;
+    msap_status status = apply_changes(world);
+    if (status == MSAP_OK) {
+        if (callbacks) call_back(world, callbacks);
+        boxes_free_removed(&world->boxes);
+    }
+    world->busy = 0;
+    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
+    if (counts) {
+        counts->created = world->pairs.created;
+        counts->deleted = world->pairs.deleted;
+        counts->active = world->pairs.active;
+    }
+    return MSAP_OK;
+}

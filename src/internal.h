@@ -1,0 +1,288 @@
+/* The library's own declarations: the terms that src/ uses, and who owns what.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * The way of a box through the code:
+ *
+ *     msap_update            resolve the handle, refuse bad bounds    (change.c)
+ *       box_change           store the bounds, mark as changed        (box.c)
+ *     msap_commit                                                     (commit.c)
+ *       sap_update           three axes, by slide, merge or sweep     (sap.c)
+ *         axis_slide         move a box's end points to their places  (slide.c)
+ *         prune_...          find the pairs of new boxes              (prune.c)
+ *       settle               overlapped before? overlap now?          (settle.c)
+ *       pairs_apply          hash + contiguous array of pairs         (pairs.c)
+ *
+ * The invariant that all of it serves: every pair whose overlap changed since the
+ * last commit is touched (given to settle) at least once. Touching too many pairs,
+ * or one pair often, costs time and changes nothing. */
+#ifndef MSAP_INTERNAL_H
+#define MSAP_INTERNAL_H
+
+#include "multisap.h"
+
+#define NONE UINT32_MAX /* no slot, no pair */
+
+/* ---------------------------------------------------------------- memory.c */
+
+/* The world's allocator, and the account of what it gave. */
+struct memory {
+    msap_alloc_fn alloc;
+    msap_free_fn free;
+    void *user;
+    uint64_t bytes, peak, calls;
+};
+
+msap_status memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free, void *user);
+void *memory_alloc(struct memory *m, size_t count, size_t size);
+void memory_free(struct memory *m, void *pointer, size_t count, size_t size);
+int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
+                  size_t size);
+int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
+                   size_t size);
+
+/* ------------------------------------------------------------------ sort.c */
+
+/* A growing array of 64-bit keys. */
+struct keys {
+    uint64_t *at;
+    size_t n, room;
+};
+
+int keys_reserve(struct keys *k, struct memory *m, size_t need);
+void keys_free(struct keys *k, struct memory *m);
+void sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
+size_t unique_keys(uint64_t *key, size_t n);
+
+/* ---------------------------------------------------------------- number.c */
+
+/* Bounds as integers of the same order as the floats, -0 being +0; in 2D worlds
+ * min[2] = max[2] = 0. */
+struct bounds {
+    int32_t min[3], max[3];
+};
+
+/* Where bounds come from: an msap_boxes with its struct_size checked. */
+msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
+                        uint32_t *bound);
+int32_t ordered_from_float_bits(uint32_t bits);
+uint32_t float_bits_from_ordered(int32_t ordered);
+float float_from_bits(uint32_t bits);
+msap_boxes boxes_of_one(const float *min, const float *max);
+msap_status boxes_check(const msap_boxes *boxes, size_t k);
+
+static inline int overlap(const struct bounds *a, const struct bounds *b)
+{
+    return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
+           (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
+}
+
+/* ------------------------------------------------------------------- box.c */
+
+enum {
+    BOX_LIVE = 1,     /* its handle is valid: added and not removed */
+    BOX_WAS = 2,      /* it took part in the last successful commit */
+    BOX_STATIC = 4,   /* added with MSAP_STATIC */
+    BOX_CHANGED = 8,  /* it is on the changed list */
+    BOX_STORED = 16, /* its end points are in the sorted axes */
+    BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
+    BOX_NEW = 64      /* within a commit: its end points were just put in, its pairs are to be found */
+};
+
+/* A slot of the box table. `now` equals `before` unless the box is on the changed
+ * list; a slot without BOX_LIVE, BOX_WAS and BOX_CHANGED is free or retired. */
+struct box {
+    struct bounds now;    /* as last given */
+    struct bounds before; /* at the last successful commit; means something with BOX_WAS */
+    uint32_t generation;  /* low half of the handle; 0: retired */
+    uint32_t flags;
+    uint32_t next; /* slot behind this one in the queue of removed or of free slots, or NONE */
+};
+
+/* Slots in the order in which they came, linked through box.next. */
+struct slot_queue {
+    uint32_t head, tail;
+};
+
+struct box_table {
+    struct box *at;
+    void **user_data;
+    uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once */
+    size_t used;       /* slots ever given out */
+    size_t room, room_user_data, room_changed;
+    size_t live;
+    size_t n_changed;
+    struct slot_queue removed; /* since the last commit, in the order of removal */
+    struct slot_queue free;    /* to be given out again, in this order */
+};
+
+static inline msap_handle handle_of(const struct box_table *t, uint32_t slot)
+{
+    return (uint64_t)slot << 32 | t->at[slot].generation;
+}
+static inline uint32_t slot_of(msap_handle handle) { return (uint32_t)(handle >> 32); }
+
+void boxes_init(struct box_table *t);
+void boxes_free(struct box_table *t, struct memory *m);
+int boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
+void boxes_trim(struct box_table *t, struct memory *m);
+size_t boxes_slots_for(const struct box_table *t, size_t k);
+struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags);
+uint32_t box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
+void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds);
+void box_remove(struct box_table *t, uint32_t slot);
+void boxes_committed(struct box_table *t);
+void boxes_free_removed(struct box_table *t);
+
+/* ---------------------------------------------------------------- settle.c */
+
+/* Takes touched pairs and keeps those whose overlap changed: the one place where a
+ * pair is decided. Reads the box table only. */
+struct settler {
+    const struct box *boxes;
+    struct memory *memory; /* to grow the lists */
+    struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
+    struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
+    int lost;              /* 1: `fresh` could not grow, a touch was lost */
+    uint64_t touched, crossings;
+};
+
+static inline uint64_t pair_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+void settle(struct settler *s, uint32_t a, uint32_t b);
+
+/* ----------------------------------------------------------------- pairs.c */
+
+/* The active pairs: a hash table over a contiguous array (paper I.6). Behind the
+ * active pairs stand those that the last commit deleted; the last `created` of the
+ * active ones are those that it created. */
+struct pair_table {
+    msap_pair *at;
+    size_t room;
+    size_t active, created, deleted;
+    uint32_t *slot; /* [slots] index into `at`, or NONE; linear probing, at most 3/4 full */
+    size_t slots;   /* 0 or a power of two */
+};
+
+void pairs_free(struct pair_table *t, struct memory *m);
+int pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted);
+void pairs_trim(struct pair_table *t, struct memory *m);
+void pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
+                 const struct keys *doomed);
+uint32_t pairs_find(const struct pair_table *t, uint32_t a, uint32_t b);
+const char *pairs_broken(const struct pair_table *t);
+
+/* -------------------------------------------------------- axis.c, slide.c */
+
+struct sap;
+struct job;
+
+/* An end point is one key, value:32 | is_max:1 | box:31, so that one integer
+ * comparison orders by value, mins before maxes at equal values (boxes that touch
+ * overlap), boxes last. The order is total: a set of boxes has one right array. 0
+ * and UINT64_MAX are the sentinels: no legal bound encodes to them (paper,
+ * appendix B), so infinities are ordinary values. */
+#define KEY_MAX_BIT ((uint64_t)1 << 31)
+
+static inline uint64_t key_make(int32_t value, uint32_t is_max, uint32_t box)
+{
+    return (uint64_t)((uint32_t)value ^ 0x80000000u) << 32 | (uint64_t)is_max << 31 | box;
+}
+static inline uint32_t key_box(uint64_t key) { return (uint32_t)key & 0x7fffffffu; }
+/* A box's min is end point 2 * box, its max 2 * box + 1. */
+static inline uint32_t key_end(uint64_t key) { return (uint32_t)key << 1 | (uint32_t)key >> 31; }
+
+/* One axis: the end points of the stored boxes, sorted, between two sentinels. */
+struct axis {
+    uint64_t *key;  /* [1 + 2 * stored + 1] */
+    uint32_t *rank; /* the index of each end point's key: key_end(key[rank[e]]) == e */
+    size_t room_key, room_rank;
+};
+
+int axis_reserve(struct axis *x, struct memory *m, size_t slots);
+void axis_trim(struct axis *x, struct memory *m, size_t slots);
+void axis_slide(struct sap *s, uint32_t k, uint32_t box, const struct job *job);
+void axis_free(struct axis *x, struct memory *m);
+void axis_drop(struct axis *x, size_t stored, const struct box *boxes);
+void axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n);
+void axis_sort(struct axis *x, size_t stored, uint64_t *scratch);
+const char *axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k);
+
+/* ------------------------------------------------------------------- sap.c */
+
+/* A single SAP: one sorted array of end points for each axis. A box is in all of
+ * them exactly if it has BOX_STORED. */
+struct sap {
+    uint32_t dims;
+    size_t stored; /* boxes in the arrays */
+    struct axis axis[3];
+};
+
+/* Room that a commit works in; its contents mean nothing between commits. */
+struct scratch {
+    uint64_t *at;
+    size_t room;
+};
+uint64_t *scratch_get(struct scratch *s, struct memory *m, size_t words);
+
+/* What a commit works on. */
+struct job {
+    struct box_table *boxes;
+    struct pair_table *pairs;
+    struct settler *settler;
+    struct memory *memory;
+    struct scratch *scratch;
+    uint32_t filters;
+};
+
+void sap_init(struct sap *s, uint32_t dims);
+void sap_free(struct sap *s, struct memory *m);
+int sap_reserve(struct sap *s, struct memory *m, size_t slots);
+void sap_trim(struct sap *s, struct memory *m, size_t slots);
+uint32_t sap_choose(const struct sap *s, const struct job *job);
+void sap_update(struct sap *s, const struct job *job, uint32_t strategy);
+const char *sap_broken(const struct sap *s, const struct box_table *boxes);
+
+/* ----------------------------------------------------------------- prune.c */
+
+/* Boxes in split arrays, sorted by their min on the sweep axis, which is stored as
+ * axis 0; axis 2 of 2D boxes is all zeros. */
+struct prune_set {
+    size_t n;
+    int32_t *min[3], *max[3];
+    uint32_t *id;
+};
+#define PRUNE_SET_WORDS(n) (((n) * 7 + 1) / 2) /* of 64 bits, for n boxes */
+
+/* Receives the pairs that are found. */
+typedef void (*prune_found)(void *context, uint32_t id_a, uint32_t id_b);
+
+void prune_set_place(struct prune_set *set, uint64_t *words, size_t n);
+void prune_set_put(struct prune_set *set, size_t row, const struct bounds *bounds, uint32_t axis, uint32_t id);
+void prune_complete(const struct prune_set *set, prune_found found, void *context);
+void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context);
+
+/* ----------------------------------------------------------------- world.c */
+
+struct msap_world {
+    struct memory memory;
+    uint32_t strategy, filters, max_boxes, dims;
+    struct box_table boxes;
+    struct sap sap;
+    struct pair_table pairs;
+    struct settler settler;
+    struct scratch scratch;
+    int busy;  /* 1 while an owner call runs: calls from inside its callbacks are refused */
+    int stale; /* 1: a commit failed halfway; the next one sorts and prunes everything anew */
+    uint64_t commits, strategy_used[4];
+    uint32_t error_status, error_bound;
+    uint64_t error_index;
+};
+
+msap_status world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound);
+
+#endif

@@ -1,0 +1,81 @@
+/* Memory: the world's allocator with an account of what it gave.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT */
+#include "internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void *default_alloc(void *user, size_t size)
+{
+    (void)user;
+    return malloc(size);
+}
+
+static void default_free(void *user, void *pointer, size_t size)
+{
+    (void)user;
+    (void)size;
+    free(pointer);
+}
+
+msap_status memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free_fn, void *user)
+{
+    if (!alloc != !free_fn) return MSAP_ERROR_CONFIG;
+    memset(m, 0, sizeof *m);
+    m->alloc = alloc ? alloc : default_alloc;
+    m->free = free_fn ? free_fn : default_free;
+    m->user = user;
+    return MSAP_OK;
+}
+
+void *memory_alloc(struct memory *m, size_t count, size_t size)
+{
+    if (count > SIZE_MAX / size) return NULL;
+    void *pointer = m->alloc(m->user, count * size);
+    m->calls++;
+    if (!pointer) return NULL;
+    m->bytes += count * size;
+    if (m->bytes > m->peak) m->peak = m->bytes;
+    return pointer;
+}
+
+void memory_free(struct memory *m, void *pointer, size_t count, size_t size)
+{
+    if (!pointer) return;
+    m->bytes -= count * size;
+    m->free(m->user, pointer, count * size);
+}
+
+/* Gives the array at *(void **)pointer_to_array room for new_room elements, of which
+ * the first `used` are kept. Returns 1, or 0 without memory and nothing changed. */
+int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
+                  size_t size)
+{
+    void *old, *grown = NULL;
+    memcpy(&old, pointer_to_array, sizeof old);
+    if (new_room > 0) {
+        grown = memory_alloc(m, new_room, size);
+        if (!grown) return 0;
+        if (used > 0) memcpy(grown, old, used * size);
+    }
+    memory_free(m, old, *room, size);
+    memcpy(pointer_to_array, &grown, sizeof grown);
+    *room = new_room;
+    return 1;
+}
+
+/* As memory_resize, but only to grow, by half at least. */
+int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
+                   size_t size)
+{
+    if (need <= *room) return 1;
+    size_t roomy = *room + *room / 2;
+    return memory_resize(m, pointer_to_array, room, need > roomy ? need : roomy, used, size);
+}
+
+uint64_t *scratch_get(struct scratch *s, struct memory *m, size_t words)
+{
+    return memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;
+}

@@ -1,0 +1,45 @@
+/* Settling: what a touched pair comes to.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Whatever touched the pair, and in which order axes and boxes were processed, the
+ * decision is made here from the boxes alone, as they were at the last commit and
+ * as they are now. So nothing is ever decided by half-updated data, a pair that
+ * begins and ceases to overlap between two commits leaves no trace, and "start
+ * before stop" (paper I.3) is no rule that anybody must keep. The test of `before`
+ * is the paper's overlap test prior to a removal (I.3): of all the crossings that
+ * look like removals it lets only the real ones through. */
+#include "internal.h"
+
+/* The pair may stand in the list already; it is dropped only if it surely does. */
+static void put_doomed(struct settler *s, uint64_t key)
+{
+    struct keys *doomed = &s->doomed;
+    if (doomed->n == doomed->room && !keys_reserve(doomed, s->memory, doomed->n + 1)) {
+        sort_keys(doomed->at, doomed->n, NULL);
+        doomed->n = unique_keys(doomed->at, doomed->n);
+        if (doomed->n == doomed->room) return; /* all known pairs are in it */
+    }
+    doomed->at[doomed->n++] = key;
+}
+
+static void put_fresh(struct settler *s, uint64_t key)
+{
+    struct keys *fresh = &s->fresh;
+    if (fresh->n == fresh->room && !keys_reserve(fresh, s->memory, fresh->n + 1)) s->lost = 1;
+    else fresh->at[fresh->n++] = key;
+}
+
+/* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
+void settle(struct settler *s, uint32_t a, uint32_t b)
+{
+    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    uint32_t both = p->flags & q->flags;
+    s->touched++;
+    if (both & BOX_STATIC) return;
+    int was = (both & BOX_WAS) && overlap(&p->before, &q->before);
+    int is = (both & BOX_LIVE) && overlap(&p->now, &q->now);
+    if (is && !was) put_fresh(s, pair_key(a, b));
+    if (was && !is) put_doomed(s, pair_key(a, b));
+}

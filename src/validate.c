@@ -1,0 +1,75 @@
+/* Validation: every invariant of a world, checked without changing or allocating.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT */
+#include "internal.h"
+
+#include <string.h>
+
+static const char *box_broken(const struct box *b)
+{
+    const uint32_t lasting = BOX_LIVE | BOX_WAS | BOX_CHANGED;
+    for (int k = 0; k < 3; k++)
+        if (b->now.min[k] > b->now.max[k] || b->before.min[k] > b->before.max[k]) return "a box is inverted";
+    if (b->flags & BOX_NEW) return "a box is still marked as new";
+    if (b->flags & BOX_CHANGED) return NULL;
+    if (!(b->flags & lasting)) return b->flags & BOX_STORED ? "a free slot is stored" : NULL;
+    if (memcmp(&b->now, &b->before, sizeof b->now) != 0) return "now is not before, but the box is not changed";
+    if ((b->flags & (BOX_LIVE | BOX_WAS | BOX_STORED)) != (BOX_LIVE | BOX_WAS | BOX_STORED))
+        return "a box came, went or is not stored, but is not changed";
+    return NULL;
+}
+
+static const char *queue_broken(const struct box_table *t, const struct slot_queue *q, uint32_t flags)
+{
+    size_t n = 0;
+    for (uint32_t slot = q->head; slot != NONE; slot = t->at[slot].next) {
+        if (slot >= t->used || n++ > t->used) return "a queue of slots is damaged";
+        if ((t->at[slot].flags & (BOX_LIVE | BOX_REMOVED)) != flags) return "a slot is in the wrong queue";
+    }
+    return NULL;
+}
+
+static const char *boxes_broken(const struct box_table *t)
+{
+    size_t live = 0, changed = 0;
+    for (size_t slot = 0; slot < t->used; slot++) {
+        const char *broken = box_broken(&t->at[slot]);
+        if (broken) return broken;
+        live += (t->at[slot].flags & BOX_LIVE) != 0;
+        changed += (t->at[slot].flags & BOX_CHANGED) != 0;
+    }
+    if (live != t->live) return "the number of live boxes is wrong";
+    if (changed != t->n_changed) return "the changed list has another length than there are changed boxes";
+    for (size_t i = 0; i < t->n_changed; i++)
+        if (t->changed[i] >= t->used || !(t->at[t->changed[i]].flags & BOX_CHANGED))
+            return "the changed list names a box that is not changed";
+    const char *broken = queue_broken(t, &t->removed, BOX_REMOVED);
+    return broken ? broken : queue_broken(t, &t->free, 0);
+}
+
+/* Each active pair's boxes overlapped at the last commit. */
+static const char *overlaps_broken(const struct pair_table *t, const struct box_table *boxes)
+{
+    for (size_t i = 0; i < t->active; i++) {
+        uint32_t a = slot_of(t->at[i].a), b = slot_of(t->at[i].b);
+        if (a >= boxes->used || b >= boxes->used) return "a pair names no slot";
+        const struct box *p = &boxes->at[a], *q = &boxes->at[b];
+        if (p->generation != (uint32_t)t->at[i].a || q->generation != (uint32_t)t->at[i].b)
+            return "a pair has a stale handle";
+        if (!(p->flags & q->flags & BOX_WAS) || !overlap(&p->before, &q->before)) return "a pair does not overlap";
+        if (p->flags & q->flags & BOX_STATIC) return "two static boxes are a pair";
+    }
+    return NULL;
+}
+
+msap_status msap_validate(const msap_world *world, const char **what)
+{
+    if (!world) return MSAP_ERROR_NULL;
+    const char *broken = boxes_broken(&world->boxes);
+    if (!broken) broken = sap_broken(&world->sap, &world->boxes);
+    if (!broken) broken = pairs_broken(&world->pairs);
+    if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
+    if (what) *what = broken;
+    return broken ? MSAP_ERROR_CORRUPT : MSAP_OK;
+}

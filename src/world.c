@@ -1,0 +1,106 @@
+/* Worlds: configuration, life and end; the last error; memory given back.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT */
+#include "internal.h"
+
+#include <string.h>
+
+msap_status msap_config_init(msap_config *config, size_t struct_size)
+{
+    if (!config) return MSAP_ERROR_NULL;
+    if (struct_size != sizeof *config) return MSAP_ERROR_STRUCT_SIZE;
+    memset(config, 0, sizeof *config);
+    config->struct_size = (uint32_t)sizeof *config;
+    config->dims = 3;
+    config->strategy = MSAP_STRATEGY_AUTO;
+    config->filters = 1;
+    config->max_boxes = MSAP_MAX_BOXES;
+    return MSAP_OK;
+}
+
+static msap_status config_check(const msap_config *c)
+{
+    if (c->struct_size != sizeof *c) return MSAP_ERROR_STRUCT_SIZE;
+    if (c->dims < 2 || c->dims > 3) return MSAP_ERROR_CONFIG;
+    if (c->strategy > MSAP_STRATEGY_SWEEP) return MSAP_ERROR_CONFIG;
+    if (c->filters > 1 || c->max_boxes > MSAP_MAX_BOXES || c->reserved != 0) return MSAP_ERROR_CONFIG;
+    return MSAP_OK;
+}
+
+msap_status msap_create(const msap_config *config, msap_world **world)
+{
+    msap_config defaults;
+    struct memory memory;
+    if (!world) return MSAP_ERROR_NULL;
+    msap_config_init(&defaults, sizeof defaults);
+    if (!config) config = &defaults;
+    msap_status status = config_check(config);
+    if (status == MSAP_OK) status = memory_init(&memory, config->alloc, config->free, config->allocator_user);
+    if (status != MSAP_OK) return status;
+    msap_world *w = memory_alloc(&memory, 1, sizeof *w);
+    if (!w) return MSAP_ERROR_MEMORY;
+    memset(w, 0, sizeof *w);
+    w->memory = memory;
+    w->dims = config->dims;
+    w->strategy = config->strategy;
+    w->filters = config->filters;
+    w->max_boxes = config->max_boxes;
+    w->error_bound = MSAP_NO_BOUND;
+    boxes_init(&w->boxes);
+    sap_init(&w->sap, config->dims);
+    *world = w;
+    return MSAP_OK;
+}
+
+msap_status msap_destroy(msap_world *world)
+{
+    if (!world) return MSAP_OK;
+    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    struct memory m = world->memory;
+    boxes_free(&world->boxes, &m);
+    sap_free(&world->sap, &m);
+    pairs_free(&world->pairs, &m);
+    keys_free(&world->settler.fresh, &m);
+    keys_free(&world->settler.doomed, &m);
+    memory_free(&m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
+    memory_free(&m, world, 1, sizeof *world);
+    return MSAP_OK;
+}
+
+msap_status msap_trim(msap_world *world)
+{
+    if (!world) return MSAP_ERROR_NULL;
+    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    struct memory *m = &world->memory;
+    struct keys *doomed = &world->settler.doomed;
+    pairs_trim(&world->pairs, m);
+    keys_free(&world->settler.fresh, m);
+    memory_free(m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
+    memset(&world->scratch, 0, sizeof world->scratch);
+    if (world->pairs.active < doomed->room)
+        memory_resize(m, &doomed->at, &doomed->room, world->pairs.active, 0, sizeof *doomed->at);
+    boxes_trim(&world->boxes, m);
+    sap_trim(&world->sap, m, world->boxes.used);
+    return MSAP_OK;
+}
+
+/* Notes a failure for msap_last_error and hands the status on. */
+msap_status world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound)
+{
+    w->error_status = status;
+    w->error_index = index;
+    w->error_bound = bound;
+    return status;
+}
+
+msap_status msap_last_error(const msap_world *world, msap_error *error)
+{
+    if (!world || !error) return MSAP_ERROR_NULL;
+    if (error->struct_size != sizeof *error) return MSAP_ERROR_STRUCT_SIZE;
+    error->status = world->error_status;
+    error->index = world->error_index;
+    error->bound = world->error_bound;
+    error->reserved = 0;
+    return MSAP_OK;
+}
