@@ -149,6 +149,21 @@ typedef enum msap_strategy {
     MSAP_STRATEGY_SWEEP = 3  /* sort anew and prune everything (I.4c): most boxes jump */
 } msap_strategy;
 
+/* What holds the boxes. */
+typedef enum msap_grid {
+    MSAP_GRID_AUTO = 0,  /* a Multi-SAP: a wrapped grid over all space, its cells chosen from the boxes (II) */
+    MSAP_GRID_NONE = 1,  /* a single SAP (I) */
+    MSAP_GRID_FIXED = 2  /* a Multi-SAP with a grid of grid_cells over grid_min ... grid_max, wrapped beyond */
+} msap_grid;
+
+/* Which vector instructions may be used; for tests. */
+typedef enum msap_simd {
+    MSAP_SIMD_AUTO = 0, /* the best that the machine has */
+    MSAP_SIMD_NONE = 1, /* portable C */
+    MSAP_SIMD_128 = 2,
+    MSAP_SIMD_256 = 3
+} msap_simd;
+
 /* Gives `size` bytes, aligned for any type, or NULL. `user` is config.allocator_user. */
 typedef void *(*msap_alloc_fn)(void *user, size_t size);
 
@@ -162,6 +177,8 @@ typedef struct msap_config {
     uint32_t strategy;    /* an msap_strategy; default MSAP_STRATEGY_AUTO */
     uint32_t filters;     /* 1: drop touched pairs early by the paper's overlap tests (I.3); 0: settle them
                              all. Events are the same; default 1 */
+    uint32_t grid;        /* an msap_grid; default MSAP_GRID_AUTO */
+    uint32_t simd;        /* an msap_simd; default MSAP_SIMD_AUTO */
     uint32_t max_boxes;   /* msap_add refuses more with MSAP_ERROR_FULL; default MSAP_MAX_BOXES */
     uint32_t reserved;    /* 0 */
     msap_alloc_fn alloc;  /* both NULL (the default): malloc and free */

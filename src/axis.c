@@ -13,7 +13,6 @@
  * be, and neighbours are in the same cache line (I.2). */
 #include "internal.h"
 
-#include <string.h>
 
 /* Room for the end points of boxes in slots below `slots`. */
 int axis_reserve(struct axis *x, struct memory *m, size_t slots)

@@ -33,7 +33,8 @@ static msap_status reserve(msap_world *w, size_t k)
     size_t slots = boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
-    return sap_reserve(&w->sap, &w->memory, slots) ? MSAP_OK : MSAP_ERROR_MEMORY;
+    int done = w->is_grid ? grid_reserve(&w->grid, &w->memory, slots) : sap_reserve(&w->sap, &w->memory, slots);
+    return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
 msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, const uint32_t *flags,

@@ -28,10 +28,15 @@ static msap_status find_events(msap_world *w)
     struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, w->filters};
     uint32_t strategy = w->strategy;
     if (w->stale) strategy = MSAP_STRATEGY_SWEEP;
-    else if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, &job);
     s->boxes = w->boxes.at;
     s->memory = &w->memory;
-    sap_update(&w->sap, &job, strategy);
+    if (w->is_grid) {
+        strategy = grid_update(&w->grid, &job, strategy);
+        if (!strategy) return MSAP_ERROR_MEMORY;
+    } else {
+        if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, &job);
+        sap_update(&w->sap, &job, strategy);
+    }
     if (s->lost) return MSAP_ERROR_MEMORY;
     sort_events(&s->fresh, &w->scratch, &w->memory);
     sort_events(&s->doomed, &w->scratch, &w->memory);

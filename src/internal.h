@@ -22,6 +22,8 @@
 
 #include "multisap.h"
 
+#include <string.h>
+
 #define NONE UINT32_MAX /* no slot, no pair */
 
 /* ---------------------------------------------------------------- memory.c */
@@ -41,6 +43,26 @@ int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t
                   size_t size);
 int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
                    size_t size);
+
+/* ------------------------------------------------------------------ pool.c */
+
+enum { POOL_CLASSES = 8, POOL_ALIGN = 16 };
+
+/* Arrays of unit << class bytes; unit is a multiple of POOL_ALIGN. */
+struct pool {
+    size_t unit;
+    size_t cut;         /* units of the first slab that are not handed out yet */
+    struct slab *slabs; /* in use; the first one is being cut */
+    struct slab *spare; /* not in use */
+    struct slab *free[POOL_CLASSES]; /* arrays that were given back */
+};
+
+void pool_init(struct pool *p, size_t unit);
+void pool_empty(struct pool *p);
+void pool_free(struct pool *p, struct memory *m);
+int pool_is_large(unsigned class);
+void *pool_get(struct pool *p, struct memory *m, unsigned class);
+void pool_put(struct pool *p, struct memory *m, void *array, unsigned class);
 
 /* ------------------------------------------------------------------ sort.c */
 
@@ -63,12 +85,27 @@ struct bounds {
     int32_t min[3], max[3];
 };
 
+/* A float's bits as an integer of the same order, and back (paper, appendix A). */
+static inline int32_t ordered_from_float_bits(uint32_t bits)
+{
+    bits = bits == 0x80000000u ? 0 : bits;
+    return (int32_t)(bits ^ (0u - (bits >> 31)) >> 1);
+}
+static inline uint32_t float_bits_from_ordered(int32_t ordered)
+{
+    uint32_t bits = (uint32_t)ordered;
+    return bits ^ (0u - (bits >> 31)) >> 1;
+}
+static inline float float_from_bits(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
 /* Where bounds come from: an msap_boxes with its struct_size checked. */
 msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
                         uint32_t *bound);
-int32_t ordered_from_float_bits(uint32_t bits);
-uint32_t float_bits_from_ordered(int32_t ordered);
-float float_from_bits(uint32_t bits);
 msap_boxes boxes_of_one(const float *min, const float *max);
 msap_status boxes_check(const msap_boxes *boxes, size_t k);
 
@@ -76,6 +113,13 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
 {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
+}
+
+static inline int contains(const struct bounds *outer, const struct bounds *inner)
+{
+    return (outer->min[0] <= inner->min[0]) & (inner->max[0] <= outer->max[0]) &
+           (outer->min[1] <= inner->min[1]) & (inner->max[1] <= outer->max[1]) &
+           (outer->min[2] <= inner->min[2]) & (inner->max[2] <= outer->max[2]);
 }
 
 /* ------------------------------------------------------------------- box.c */
@@ -108,7 +152,8 @@ struct slot_queue {
 struct box_table {
     struct box *at;
     void **user_data;
-    uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once */
+    uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
+                          in any order */
     size_t used;       /* slots ever given out */
     size_t room, room_user_data, room_changed;
     size_t live;
@@ -137,6 +182,9 @@ void boxes_free_removed(struct box_table *t);
 
 /* ---------------------------------------------------------------- settle.c */
 
+struct job;
+
+
 /* Takes touched pairs and keeps those whose overlap changed: the one place where a
  * pair is decided. Reads the box table only. */
 struct settler {
@@ -154,6 +202,7 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
 }
 
 void settle(struct settler *s, uint32_t a, uint32_t b);
+void touch_known_pairs(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
 
@@ -227,7 +276,7 @@ struct scratch {
     uint64_t *at;
     size_t room;
 };
-uint64_t *scratch_get(struct scratch *s, struct memory *m, size_t words);
+void *scratch_get(struct scratch *s, struct memory *m, size_t words);
 
 /* What a commit works on. */
 struct job {
@@ -266,13 +315,159 @@ void prune_set_put(struct prune_set *set, size_t row, const struct bounds *bound
 void prune_complete(const struct prune_set *set, prune_found found, void *context);
 void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context);
 
+/* ------------------------------------------------------------------ near.c */
+
+enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
+
+/* The neighbours of a box: slots above its own first. */
+struct near_list {
+    uint32_t *at;
+    uint32_t n_above, n, room;
+};
+
+/* b is in the list of a exactly if a is in the list of b, and they are exactly if
+ * the fat bounds of a and b overlap and not both are static. */
+struct near_lists {
+    struct near_list *of; /* [slots] */
+    size_t room;
+    struct pool pool;
+};
+
+int near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other);
+void near_remove(struct near_lists *all, uint32_t self, uint32_t other);
+void near_drop(struct near_lists *all, struct memory *m, uint32_t self);
+void near_take_out(struct near_list *l, uint32_t i);
+void near_empty(struct near_lists *all, struct memory *m, size_t slots);
+
+/* ---------------------------------------------------------- cell.c, simd.c */
+
+enum { CELL_UNIT = 8 }; /* boxes in the smallest cell */
+
+/* The fat boxes that touch a cell: arrays of `room` values, the mins on three axes,
+ * the maxes, the slots. The first n_moving boxes are those that are not static. */
+struct cell {
+    int32_t *at;
+    uint32_t n, n_moving, room;
+};
+
+int cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n);
+int cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
+                int is_static);
+void cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
+void cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
+void cell_drop(struct cell *c, struct pool *p, struct memory *m);
+void cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot);
+uint32_t cell_row(const struct cell *c, uint32_t row, struct bounds *b);
+
+typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
+                           uint32_t *out);
+sweep_fn sweep_for(uint32_t simd);
+
+/* ---------------------------------------------------- grid.c, layout.c, skin.c */
+
+enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, NO_LEVEL = 255, NO_HORIZON = 255, MOST_CELLS = 8 };
+enum { CELL_LIMIT = 1 << 30 }; /* cells beyond count as this one */
+
+/* Cells of an axis-aligned block of the grid, low and high included. */
+struct range {
+    int32_t low[3], high[3];
+};
+
+/* A wrapped grid of count[0] * count[1] * count[2] cells: cell x of an axis is the
+ * same as cell x + count. A cell of a level is 4 cells of the level before wide. */
+struct level {
+    struct cell *cell; /* the first of its cells among all */
+    uint32_t count[3];
+    size_t boxes; /* that are in this level */
+};
+
+/* How coordinates become cells of level 0: floor(x * scale) counts units, a power of
+ * two of the scene's, and `width` units from `origin` on are a cell. */
+struct grid_axis {
+    double scale; /* 0: one cell holds the whole axis */
+    int64_t origin, width;
+};
+
+/* Where a box is in the grid. */
+struct place {
+    struct bounds fat; /* its bounds with its skin: what its cells know of it */
+    uint32_t since;    /* the commit in which it got them */
+    uint8_t level;     /* or NO_LEVEL: not in the grid */
+    uint8_t horizon;   /* for how many commits its skin was made */
+    uint8_t wobble;    /* how much of its reach the skin has on all sides, in eighths */
+    uint8_t unused;
+};
+
+/* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
+ * lists that follow from them. */
+struct grid {
+    uint32_t dims;
+    sweep_fn sweep;
+    struct grid_axis axis[3];
+    struct level level[LEVELS];
+    struct cell *cell; /* of all levels */
+    size_t n_cells, room_cell;
+    struct pool pool;    /* of the cells */
+    struct place *place; /* [slots] */
+    struct near_lists near;
+    uint32_t *tag;   /* [slots] within a commit: `token` marks what a query has found */
+    uint32_t *found; /* what a query has found */
+    size_t room_place, room_tag, room_found;
+    uint32_t token;
+    uint32_t commit; /* counts commits, for the age of skins */
+    size_t laid_out_for;  /* boxes when the layout was chosen; 0: no layout yet */
+    uint32_t laid_out_at; /* the commit in which it was */
+    int upheaval;         /* the last commit moved most boxes */
+    int has_lists;        /* 0: the last commit rebuilt the grid without neighbour lists */
+};
+
+void grid_init(struct grid *g, uint32_t dims, uint32_t simd);
+void grid_empty(struct grid *g, struct memory *m, size_t slots);
+void grid_free(struct grid *g, struct memory *m, size_t slots);
+int grid_reserve(struct grid *g, struct memory *m, size_t slots);
+struct range grid_range(const struct grid *g, const struct bounds *b);
+struct range grid_range_on(const struct grid *g, struct range base, uint32_t level);
+uint32_t grid_level_for(struct range base);
+int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static);
+void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static);
+int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old);
+size_t grid_query(struct grid *g, uint32_t self, int is_static, uint32_t first_level);
+void grid_new_token(struct grid *g);
+int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
+
+/* floor(a / 2^shift) */
+static inline int32_t floor_shift(int32_t a, uint32_t shift)
+{
+    return a < 0 ? -1 - (int32_t)((uint32_t)(-1 - a) >> shift) : (int32_t)((uint32_t)a >> shift);
+}
+
+/* Visits the cells of a range, one after another. */
+struct cell_walk {
+    const struct level *level;
+    struct range range;
+    int32_t at[3];
+};
+struct cell_walk cell_walk(const struct level *l, struct range r);
+struct cell *cell_next(struct cell_walk *w);
+struct cell *cell_at(const struct level *l, const int32_t at[3]);
+
+void skin_renew(struct place *p, const struct box *b, uint32_t commit, uint32_t vain);
+void skin_first(struct place *p, const struct box *b, uint32_t commit);
+
+/* ------------------------------------------------------ rebuild.c, track.c */
+
+int grid_rebuild(struct grid *g, const struct job *job, int with_lists);
+uint32_t grid_update(struct grid *g, const struct job *job, uint32_t strategy);
+
 /* ----------------------------------------------------------------- world.c */
 
 struct msap_world {
     struct memory memory;
     uint32_t strategy, filters, max_boxes, dims;
     struct box_table boxes;
-    struct sap sap;
+    uint32_t is_grid;
+    struct sap sap;   /* unless is_grid */
+    struct grid grid; /* if is_grid */
     struct pair_table pairs;
     struct settler settler;
     struct scratch scratch;

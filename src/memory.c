@@ -5,7 +5,6 @@
 #include "internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static void *default_alloc(void *user, size_t size)
 {
@@ -75,7 +74,7 @@ int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_
     return memory_resize(m, pointer_to_array, room, need > roomy ? need : roomy, used, size);
 }
 
-uint64_t *scratch_get(struct scratch *s, struct memory *m, size_t words)
+void *scratch_get(struct scratch *s, struct memory *m, size_t words)
 {
     return memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;
 }

@@ -10,31 +10,8 @@
  * rounding mode, flush-to-zero and compiler flags have no say. */
 #include "internal.h"
 
-#include <string.h>
 
 enum { FLOAT_INF = 0x7f800000, FLOAT_MAX = 0x7f7fffff };
-
-int32_t ordered_from_float_bits(uint32_t bits)
-{
-    if (bits == 0x80000000u) bits = 0;
-    bits ^= (0u - (bits >> 31)) >> 1;
-    int32_t ordered;
-    memcpy(&ordered, &bits, sizeof ordered);
-    return ordered;
-}
-
-uint32_t float_bits_from_ordered(int32_t ordered)
-{
-    uint32_t bits = (uint32_t)ordered;
-    return bits ^ (0u - (bits >> 31)) >> 1;
-}
-
-float float_from_bits(uint32_t bits)
-{
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
 
 uint32_t msap_encode_float(float value)
 {
@@ -98,28 +75,47 @@ static uint32_t read_float_bits(const char *at, uint32_t scalar, unsigned up)
     return bits;
 }
 
-static int is_nan(uint32_t bits) { return (bits & 0x7fffffffu) > FLOAT_INF; }
+/* ------------------------------------------------------------------- bounds */
 
-msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out, uint32_t *bound)
+enum { ORDERED_INF = FLOAT_INF, ORDERED_MINUS_INF = -FLOAT_INF - 1 };
+
+/* Reads one row. Returns 1 if it is legal: a NaN is above +inf or below -inf, so that
+ * no NaN stands between -inf <= min <= max <= +inf. */
+static int read_row(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out)
 {
     const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
     const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
-    msap_status status = MSAP_OK;
+    int legal = 1;
     out->min[2] = out->max[2] = 0;
-    for (uint32_t c = dims; c-- > 0;) { /* downwards, so that the lowest axis at fault is named */
-        uint32_t lo = read_float_bits(min + (ptrdiff_t)c * boxes->min_component, boxes->scalar, 0);
-        uint32_t hi = read_float_bits(max + (ptrdiff_t)c * boxes->max_component, boxes->scalar, 1);
-        out->min[c] = ordered_from_float_bits(lo);
-        out->max[c] = ordered_from_float_bits(hi);
-        if (is_nan(lo) || is_nan(hi)) {
-            status = MSAP_ERROR_NAN;
-            *bound = is_nan(lo) ? c : c + 3;
-        } else if (out->min[c] > out->max[c]) {
-            status = MSAP_ERROR_INVERTED;
-            *bound = c;
-        }
+    for (uint32_t c = 0; c < dims; c++) {
+        uint32_t low = read_float_bits(min + (ptrdiff_t)c * boxes->min_component, boxes->scalar, 0);
+        uint32_t high = read_float_bits(max + (ptrdiff_t)c * boxes->max_component, boxes->scalar, 1);
+        out->min[c] = ordered_from_float_bits(low);
+        out->max[c] = ordered_from_float_bits(high);
+        legal &= (ORDERED_MINUS_INF <= out->min[c]) & (out->min[c] <= out->max[c]) & (out->max[c] <= ORDERED_INF);
     }
-    return status;
+    return legal;
+}
+
+static int is_nan(int32_t ordered) { return ordered < ORDERED_MINUS_INF || ordered > ORDERED_INF; }
+
+/* What is wrong with bounds that are not legal, NaNs before inverted bounds. */
+static msap_status diagnose(const struct bounds *b, uint32_t *bound)
+{
+    for (uint32_t c = 0; c < 6; c++) {
+        *bound = c;
+        if (is_nan(c < 3 ? b->min[c] : b->max[c - 3])) return MSAP_ERROR_NAN;
+    }
+    *bound = 0;
+    while (b->min[*bound] <= b->max[*bound]) ++*bound;
+    return MSAP_ERROR_INVERTED;
+}
+
+/* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
+ * the one at fault. */
+msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out, uint32_t *bound)
+{
+    return read_row(boxes, row, dims, out) ? MSAP_OK : diagnose(out, bound);
 }
 
 msap_boxes boxes_of_one(const float *min, const float *max)

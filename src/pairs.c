@@ -15,7 +15,6 @@
  * Only sorted events change the table, so its order follows from them alone. */
 #include "internal.h"
 
-#include <string.h>
 
 static size_t home(const struct pair_table *t, uint64_t key)
 {

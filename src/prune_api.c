@@ -7,7 +7,6 @@
  * the pairs are collected as keys and sorted. */
 #include "internal.h"
 
-#include <string.h>
 
 /* One call at work. */
 struct pruning {

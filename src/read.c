@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-#include <string.h>
 
 msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *min, float *max)
 {

@@ -24,7 +24,6 @@
  * boxes that are far apart on the others (II.1). */
 #include "internal.h"
 
-#include <string.h>
 
 void sap_init(struct sap *s, uint32_t dims)
 {
@@ -206,16 +205,6 @@ static void prune_new(const struct sap *s, const struct job *job, size_t n_new)
     split_new(s, job, k, &fresh, &old);
     prune_complete(&fresh, touch, job->settler);
     prune_bipartite(&fresh, &old, touch, job->settler);
-}
-
-/* Touches the known pairs of changed boxes. */
-static void touch_known_pairs(const struct job *job)
-{
-    const struct box *boxes = job->boxes->at;
-    for (size_t i = 0; i < job->pairs->active; i++) {
-        uint32_t a = slot_of(job->pairs->at[i].a), b = slot_of(job->pairs->at[i].b);
-        if ((boxes[a].flags | boxes[b].flags) & BOX_CHANGED) settle(job->settler, a, b);
-    }
 }
 
 static size_t clear_new(struct box_table *t)

@@ -43,3 +43,13 @@ void settle(struct settler *s, uint32_t a, uint32_t b)
     if (is && !was) put_fresh(s, pair_key(a, b));
     if (was && !is) put_doomed(s, pair_key(a, b));
 }
+
+/* Touches the known pairs of changed boxes. */
+void touch_known_pairs(const struct job *job)
+{
+    const struct box *boxes = job->boxes->at;
+    for (size_t i = 0; i < job->pairs->active; i++) {
+        uint32_t a = slot_of(job->pairs->at[i].a), b = slot_of(job->pairs->at[i].b);
+        if ((boxes[a].flags | boxes[b].flags) & BOX_CHANGED) settle(job->settler, a, b);
+    }
+}

@@ -8,7 +8,6 @@
  * does the same in place, more slowly, so that no sort can run out of memory. */
 #include "internal.h"
 
-#include <string.h>
 
 int keys_reserve(struct keys *k, struct memory *m, size_t need)
 {

@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-#include <string.h>
 
 static const char *box_broken(const struct box *b)
 {
@@ -15,7 +14,7 @@ static const char *box_broken(const struct box *b)
     if (b->flags & BOX_CHANGED) return NULL;
     if (!(b->flags & lasting)) return b->flags & BOX_STORED ? "a free slot is stored" : NULL;
     if (memcmp(&b->now, &b->before, sizeof b->now) != 0) return "now is not before, but the box is not changed";
-    if ((b->flags & (BOX_LIVE | BOX_WAS | BOX_STORED)) != (BOX_LIVE | BOX_WAS | BOX_STORED))
+    if ((b->flags & (BOX_LIVE | BOX_WAS)) != (BOX_LIVE | BOX_WAS))
         return "a box came, went or is not stored, but is not changed";
     return NULL;
 }
@@ -67,7 +66,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
 {
     if (!world) return MSAP_ERROR_NULL;
     const char *broken = boxes_broken(&world->boxes);
-    if (!broken) broken = sap_broken(&world->sap, &world->boxes);
+    if (!broken && !world->is_grid) broken = sap_broken(&world->sap, &world->boxes);
     if (!broken) broken = pairs_broken(&world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
     if (what) *what = broken;

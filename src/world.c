@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-#include <string.h>
 
 msap_status msap_config_init(msap_config *config, size_t struct_size)
 {
@@ -15,6 +14,8 @@ msap_status msap_config_init(msap_config *config, size_t struct_size)
     config->dims = 3;
     config->strategy = MSAP_STRATEGY_AUTO;
     config->filters = 1;
+    config->grid = MSAP_GRID_AUTO;
+    config->simd = MSAP_SIMD_AUTO;
     config->max_boxes = MSAP_MAX_BOXES;
     return MSAP_OK;
 }
@@ -48,7 +49,9 @@ msap_status msap_create(const msap_config *config, msap_world **world)
     w->max_boxes = config->max_boxes;
     w->error_bound = MSAP_NO_BOUND;
     boxes_init(&w->boxes);
+    w->is_grid = config->grid != MSAP_GRID_NONE;
     sap_init(&w->sap, config->dims);
+    grid_init(&w->grid, config->dims, config->simd);
     *world = w;
     return MSAP_OK;
 }
@@ -58,8 +61,9 @@ msap_status msap_destroy(msap_world *world)
     if (!world) return MSAP_OK;
     if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     struct memory m = world->memory;
-    boxes_free(&world->boxes, &m);
     sap_free(&world->sap, &m);
+    grid_free(&world->grid, &m, world->boxes.used);
+    boxes_free(&world->boxes, &m);
     pairs_free(&world->pairs, &m);
     keys_free(&world->settler.fresh, &m);
     keys_free(&world->settler.doomed, &m);

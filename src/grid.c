@@ -1,0 +1,261 @@
+/* The grid: boxes rasterised into the cells that they touch (paper II.3).
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Space is cut into cells of one size, and cell x of an axis shares its memory with
+ * cell x + count: the paper's wrapped grid, or its hashed grid with the remainder as
+ * the hash function. So the grid has no bounds, and what is far outside costs no
+ * more than what is inside. Boxes that merely share memory are told apart by the
+ * sweep of the cell, which tests their bounds in full.
+ *
+ * A box that would touch more than MOST_CELLS cells goes to a coarser level, whose
+ * cells are 4 times as wide; level TOP is one cell, for giants. To find what a box
+ * overlaps, the cells that it covers on every level that holds boxes are swept. A
+ * level has no more cells to visit than it has memory for, however large the box.
+ *
+ * Cell numbers are found without rounding, so that a box is always looked for where
+ * it was put: a power of two scales the coordinate, and what lies beyond 2^50 units
+ * counts as 2^50. Subnormal coordinates count as 0 whether or not the host's
+ * floating point flushes them. */
+#include "internal.h"
+
+
+/* ------------------------------------------------------------ ranges of cells */
+
+static int64_t floor_divide(int64_t a, int64_t b)
+{
+    int64_t quotient = a / b;
+    return quotient - (a % b < 0);
+}
+
+/* The cell of level 0 that holds a coordinate. */
+static int32_t cell_of(const struct grid_axis *axis, int32_t ordered)
+{
+    const double most = 1125899906842624.0; /* 2^50 */
+    uint32_t bits = float_bits_from_ordered(ordered);
+    if (axis->scale == 0 || (bits & 0x7f800000u) == 0) bits = 0;
+    double units = (double)float_from_bits(bits) * axis->scale;
+    units = units < -most ? -most : units > most ? most : units;
+    int64_t whole = (int64_t)units;
+    whole -= (double)whole > units;
+    int64_t cell = axis->width == 1 ? whole - axis->origin : floor_divide(whole - axis->origin, axis->width);
+    return cell < -CELL_LIMIT ? -CELL_LIMIT : cell > CELL_LIMIT ? CELL_LIMIT : (int32_t)cell;
+}
+
+/* The cells of level 0 that a box touches. */
+struct range grid_range(const struct grid *g, const struct bounds *b)
+{
+    struct range r;
+    for (uint32_t k = 0; k < 3; k++) {
+        r.low[k] = cell_of(&g->axis[k], b->min[k]);
+        r.high[k] = cell_of(&g->axis[k], b->max[k]);
+    }
+    return r;
+}
+
+/* The same on another level, without naming a wrapped cell twice: a range around all
+ * cells starts below every other. */
+struct range grid_range_on(const struct grid *g, struct range base, uint32_t level)
+{
+    const struct level *l = &g->level[level];
+    uint32_t shift = level == TOP ? 31 : LEVEL_SHIFT * level;
+    for (uint32_t k = 0; k < 3; k++) {
+        base.low[k] = floor_shift(base.low[k], shift);
+        base.high[k] = floor_shift(base.high[k], shift);
+        if ((int64_t)base.high[k] - base.low[k] < (int64_t)l->count[k]) continue;
+        base.low[k] = -CELL_LIMIT;
+        base.high[k] = (int32_t)l->count[k] - 1 - CELL_LIMIT;
+    }
+    return base;
+}
+
+static uint64_t cells_in(struct range r, uint32_t shift)
+{
+    uint64_t cells = 1;
+    for (uint32_t k = 0; k < 3; k++) {
+        uint64_t wide = (uint64_t)((int64_t)floor_shift(r.high[k], shift) - floor_shift(r.low[k], shift) + 1);
+        cells *= wide < 65536 ? wide : 65536;
+    }
+    return cells;
+}
+
+/* The finest level on which a box touches no more than MOST_CELLS. */
+uint32_t grid_level_for(struct range base)
+{
+    uint32_t level = 0;
+    while (level < TOP && cells_in(base, LEVEL_SHIFT * level) > MOST_CELLS) level++;
+    return level;
+}
+
+static uint32_t wrap(int32_t at, uint32_t count)
+{
+    if ((count & (count - 1)) == 0) return (uint32_t)at & (count - 1);
+    int64_t rest = (int64_t)at % (int64_t)count;
+    return (uint32_t)(rest < 0 ? rest + count : rest);
+}
+
+struct cell *cell_at(const struct level *l, const int32_t at[3])
+{
+    size_t row = wrap(at[2], l->count[2]) * (size_t)l->count[1] + wrap(at[1], l->count[1]);
+    return &l->cell[row * l->count[0] + wrap(at[0], l->count[0])];
+}
+
+struct cell_walk cell_walk(const struct level *l, struct range r)
+{
+    struct cell_walk w = {l, r, {r.low[0], r.low[1], r.low[2]}};
+    return w;
+}
+
+/* The next cell of the walk, or NULL. */
+struct cell *cell_next(struct cell_walk *w)
+{
+    if (w->at[2] > w->range.high[2]) return NULL;
+    struct cell *c = cell_at(w->level, w->at);
+    for (int k = 0; k < 3; k++) {
+        if (++w->at[k] <= w->range.high[k] || k == 2) break;
+        w->at[k] = w->range.low[k];
+    }
+    return c;
+}
+
+/* -------------------------------------------------------------- life and end */
+
+void grid_init(struct grid *g, uint32_t dims, uint32_t simd)
+{
+    memset(g, 0, sizeof *g);
+    g->dims = dims;
+    g->sweep = sweep_for(simd);
+    pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
+    pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
+}
+
+int grid_reserve(struct grid *g, struct memory *m, size_t slots)
+{
+    if (slots > SIZE_MAX / 2 - 8) return 0;
+    size_t old = g->room_place;
+    if (!memory_reserve(m, &g->place, &g->room_place, slots, old, sizeof *g->place)) return 0;
+    for (size_t slot = old; slot < g->room_place; slot++) g->place[slot].level = NO_LEVEL;
+    old = g->near.room;
+    if (!memory_reserve(m, &g->near.of, &g->near.room, slots, old, sizeof *g->near.of)) return 0;
+    memset(g->near.of + old, 0, (g->near.room - old) * sizeof *g->near.of);
+    old = g->room_tag;
+    if (!memory_reserve(m, &g->tag, &g->room_tag, slots, old, sizeof *g->tag)) return 0;
+    memset(g->tag + old, 0, (g->room_tag - old) * sizeof *g->tag);
+    return memory_reserve(m, &g->found, &g->room_found, 2 * slots + 8, 0, sizeof *g->found);
+}
+
+/* Empties all cells and lists of the first so many slots. */
+void grid_empty(struct grid *g, struct memory *m, size_t slots)
+{
+    for (size_t i = 0; i < g->n_cells; i++) cell_drop(&g->cell[i], &g->pool, m);
+    pool_empty(&g->pool);
+    for (uint32_t level = 0; level < LEVELS; level++) g->level[level].boxes = 0;
+    near_empty(&g->near, m, slots);
+    for (size_t slot = 0; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
+}
+
+void grid_free(struct grid *g, struct memory *m, size_t slots)
+{
+    grid_empty(g, m, slots);
+    pool_free(&g->pool, m);
+    pool_free(&g->near.pool, m);
+    memory_free(m, g->cell, g->room_cell, sizeof *g->cell);
+    memory_free(m, g->place, g->room_place, sizeof *g->place);
+    memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
+    memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
+    memory_free(m, g->found, g->room_found, sizeof *g->found);
+    memset(g, 0, sizeof *g);
+}
+
+/* -------------------------------------------------- entering, kept and left */
+
+/* Puts a box, whose place has its fat bounds and level, into its cells. */
+int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static)
+{
+    struct place *p = &g->place[slot];
+    struct level *l = &g->level[p->level];
+    struct cell_walk w = cell_walk(l, grid_range_on(g, grid_range(g, &p->fat), p->level));
+    for (struct cell *c; (c = cell_next(&w)) != NULL;)
+        if (!cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
+    l->boxes++;
+    return 1;
+}
+
+/* Takes a box out of its cells. */
+void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static)
+{
+    struct place *p = &g->place[slot];
+    struct level *l = &g->level[p->level];
+    struct cell_walk w = cell_walk(l, grid_range_on(g, grid_range(g, &p->fat), p->level));
+    for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_remove(c, &g->pool, m, slot, is_static);
+    l->boxes--;
+    p->level = NO_LEVEL;
+}
+
+static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
+
+/* Gives a box other fat bounds. Cells left, kept and entered (paper II.3c): mostly
+ * all are kept. Returns 0 without memory. */
+int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old)
+{
+    struct place *p = &g->place[slot];
+    struct range base = grid_range(g, &p->fat), was = grid_range(g, old);
+    uint32_t level = grid_level_for(base);
+    if (level == p->level && same_range(&base, &was)) {
+        struct cell_walk w = cell_walk(&g->level[level], grid_range_on(g, base, level));
+        for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_update(c, &p->fat, slot, is_static);
+        return 1;
+    }
+    struct bounds fat = p->fat;
+    p->fat = *old;
+    grid_take(g, m, slot, is_static);
+    p->fat = fat;
+    p->level = (uint8_t)level;
+    return grid_put(g, m, slot, is_static);
+}
+
+/* ------------------------------------------------------------------ asking */
+
+/* Drops from found[from ... from + n) what carries the token and gives it to the
+ * rest. Returns how many are left. */
+static size_t drop_tagged(struct grid *g, size_t from, size_t n, uint32_t self)
+{
+    size_t kept = from;
+    for (size_t i = from; i < from + n; i++) {
+        uint32_t slot = g->found[i];
+        if (slot == self || g->tag[slot] == g->token) continue;
+        g->tag[slot] = g->token;
+        g->found[kept++] = slot;
+    }
+    return kept - from;
+}
+
+/* Puts into `found`, each once and tagged with the token, the boxes on levels from
+ * first_level on whose fat bounds overlap those of a box that is or may be in the
+ * grid itself; of a static box, those that are not static. Returns how many. */
+size_t grid_query(struct grid *g, uint32_t self, int is_static, uint32_t first_level)
+{
+    const struct bounds *fat = &g->place[self].fat;
+    struct range base = grid_range(g, fat);
+    size_t n = 0;
+    for (uint32_t level = first_level; level < LEVELS; level++) {
+        if (g->level[level].boxes == 0) continue;
+        struct cell_walk w = cell_walk(&g->level[level], grid_range_on(g, base, level));
+        for (struct cell *c; (c = cell_next(&w)) != NULL;) {
+            if (c->n == 0) continue;
+            size_t more = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, g->found + n);
+            n += drop_tagged(g, n, more, self);
+        }
+    }
+    return n;
+}
+
+/* A token that no tag carries, nor the one after it. */
+void grid_new_token(struct grid *g)
+{
+    g->token += 2;
+    if (g->token < UINT32_MAX - 2) return;
+    memset(g->tag, 0, g->room_tag * sizeof *g->tag);
+    g->token = 2;
+}

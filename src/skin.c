@@ -1,0 +1,96 @@
+/* Skins: how much larger than a box its fat bounds are, so that it can move for a
+ * while without touching any structure.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * A box that leaves its skin gets a new one, made for the next `horizon` commits:
+ * it reaches as far ahead as the box comes in that time if it goes on as in this
+ * commit, and on all sides a part of that, `wobble` eighths of it. A wide skin costs
+ * tests of neighbours that are no pairs, a narrow one is left soon. So both follow
+ * what the last skin came to. Left long before its time, it did not fit the motion:
+ * the next one is wider on the sides, or, when that has not helped, for half as
+ * long. If it held, the next is for longer, unless the tests of neighbours in vain
+ * outweighed the work of a move. And no skin reaches further than the box is large:
+ * boxes that jump have none.
+ *
+ * Only the speed depends on a skin, never the answer, as long as the fat bounds
+ * contain the box; that is made sure on integers at the end. */
+#include "internal.h"
+
+enum { HORIZON_LEAST = 3, HORIZON_FIRST = 8, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 64 };
+
+/* Learns from a skin that was left at the age of so many commits; `vain` is how many
+ * of its neighbours the box does not overlap. */
+static void learn(struct place *p, uint32_t age, uint32_t vain)
+{
+    uint32_t horizon = p->horizon;
+    if (age * 2 < horizon) {
+        if (p->wobble < WOBBLE_MOST) p->wobble++;
+        else horizon -= horizon / 2;
+    } else if ((uint64_t)vain * age > TESTS_OF_A_MOVE) {
+        horizon -= horizon / 4;
+    } else
+        horizon += horizon / 4 + 1;
+    p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
+}
+
+static double value_of(int32_t ordered) { return float_from_bits(float_bits_from_ordered(ordered)); }
+
+static int32_t ordered_of(double value)
+{
+    return (int32_t)(msap_encode_float((float)value) ^ 0x80000000u);
+}
+
+static double magnitude(double x) { return x < 0 ? -x : x; }
+
+/* How the box moved in this commit. */
+struct motion {
+    double low[3], high[3], down[3], up[3]; /* bounds, and how far they went */
+    double size, step;                      /* the largest of all axes */
+};
+
+static struct motion motion_of(const struct box *b)
+{
+    struct motion m;
+    m.size = m.step = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        m.low[k] = value_of(b->now.min[k]);
+        m.high[k] = value_of(b->now.max[k]);
+        m.down[k] = m.low[k] - value_of(b->before.min[k]);
+        m.up[k] = m.high[k] - value_of(b->before.max[k]);
+        if (m.high[k] - m.low[k] > m.size) m.size = m.high[k] - m.low[k];
+        if (!(magnitude(m.down[k]) <= m.step)) m.step = magnitude(m.down[k]);
+        if (!(magnitude(m.up[k]) <= m.step)) m.step = magnitude(m.up[k]);
+    }
+    return m;
+}
+
+/* Gives a box that has left its skin in this commit a new one. */
+void skin_renew(struct place *p, const struct box *b, uint32_t commit, uint32_t vain)
+{
+    struct motion m = motion_of(b);
+    learn(p, commit - p->since, vain);
+    p->since = commit;
+    p->fat = b->now;
+    double horizon = p->horizon;
+    if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
+    if (!(horizon >= HORIZON_LEAST && m.size < 1e30)) return; /* nor if an infinity made a NaN */
+    for (uint32_t k = 0; k < 3; k++) {
+        double step = magnitude(m.down[k]) > magnitude(m.up[k]) ? magnitude(m.down[k]) : magnitude(m.up[k]);
+        double aside = step * horizon * p->wobble / 8;
+        int32_t min = ordered_of(m.low[k] + (m.down[k] < 0 ? m.down[k] * horizon : 0) - aside);
+        int32_t max = ordered_of(m.high[k] + (m.up[k] > 0 ? m.up[k] * horizon : 0) + aside);
+        if (min < p->fat.min[k]) p->fat.min[k] = min;
+        if (max > p->fat.max[k]) p->fat.max[k] = max;
+    }
+}
+
+/* A box that comes into the grid has no past, hence no skin. */
+void skin_first(struct place *p, const struct box *b, uint32_t commit)
+{
+    p->horizon = HORIZON_FIRST;
+    p->wobble = 1;
+    p->since = commit - HORIZON_MOST;
+    p->fat = b->now;
+}
