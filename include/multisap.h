@@ -32,7 +32,8 @@
  *    deletion answers an earlier creation. All deletions come first, then all
  *    creations, each sorted by (lower handle, higher handle) as integers.
  *    Callbacks run in the order of the arrays. The same calls give the same
- *    events and the same handles on every platform, with every strategy.
+ *    events and the same handles on every platform, with every set-up, with any
+ *    number of workers.
  * 4. Nothing is dropped silently. NaN, min > max, a stale handle, a full world,
  *    no memory: each is a status code, in every build, and msap_last_error tells
  *    the index and the bound at fault. The world is then as it was before the
@@ -48,9 +49,10 @@
  *    different worlds at once; calls that take a const world may run at once with
  *    each other. Memory comes only from the world's allocator, called only on the
  *    thread that calls the library, and none is asked for in a commit that passes
- *    no earlier maximum of boxes, pairs or events. From inside a callback every
- *    call that changes the world is refused with MSAP_ERROR_BUSY; const calls are
- *    allowed.
+ *    no earlier maximum of boxes, pairs, neighbours, events or cells; it shrinks
+ *    only when use has stayed far below what is held for many commits, or by
+ *    msap_trim. From inside a callback every call that changes the world is refused
+ *    with MSAP_ERROR_BUSY; const calls are allowed.
  *
  * CONVENTIONS
  *
@@ -140,29 +142,33 @@ typedef uint64_t msap_handle;
 
 /* ------------------------------------------------------------------- config */
 
-/* Ways to bring the sorted axes up to date (paper I.3 to I.5). All give the same
- * events; AUTO chooses for each commit by estimated cost. */
+/* What holds the boxes. The events are the same with each. */
+typedef enum msap_grid {
+    MSAP_GRID_AUTO = 0, /* a Multi-SAP: a wrapped grid over all space; its cells follow from the boxes (II) */
+    MSAP_GRID_NONE = 1, /* a single SAP (I): three sorted axes over all boxes */
+    MSAP_GRID_FIXED = 2 /* a Multi-SAP of grid_cells between grid_min and grid_max, wrapped beyond (II.3a) */
+} msap_grid;
+
+/* Ways to bring a world up to date. All give the same events; AUTO chooses for each
+ * commit by estimated cost. In a Multi-SAP, SLIDE moves the boxes that left their
+ * skins one by one, MERGE does so cell by cell, and SWEEP rebuilds all cells. */
 typedef enum msap_strategy {
     MSAP_STRATEGY_AUTO = 0,
-    MSAP_STRATEGY_SLIDE = 1, /* move each end point to its place (paper I.3): little motion */
+    MSAP_STRATEGY_SLIDE = 1, /* move each end point to its place (I.3): little motion */
     MSAP_STRATEGY_MERGE = 2, /* take the changed boxes out and batch-insert them (I.4b, I.5b): few boxes jump */
     MSAP_STRATEGY_SWEEP = 3  /* sort anew and prune everything (I.4c): most boxes jump */
 } msap_strategy;
 
-/* What holds the boxes. */
-typedef enum msap_grid {
-    MSAP_GRID_AUTO = 0,  /* a Multi-SAP: a wrapped grid over all space, its cells chosen from the boxes (II) */
-    MSAP_GRID_NONE = 1,  /* a single SAP (I) */
-    MSAP_GRID_FIXED = 2  /* a Multi-SAP with a grid of grid_cells over grid_min ... grid_max, wrapped beyond */
-} msap_grid;
-
-/* Which vector instructions may be used; for tests. */
+/* Which vector instructions may be used; for tests. More than the machine has is
+ * taken as the best it has. */
 typedef enum msap_simd {
     MSAP_SIMD_AUTO = 0, /* the best that the machine has */
     MSAP_SIMD_NONE = 1, /* portable C */
-    MSAP_SIMD_128 = 2,
-    MSAP_SIMD_256 = 3
+    MSAP_SIMD_128 = 2,  /* four boxes at a time: SSE2 */
+    MSAP_SIMD_256 = 3   /* eight boxes at a time: AVX2 */
 } msap_simd;
+
+#define MSAP_MARGIN_AUTO (-1.0f) /* each box has a skin that follows its own motion */
 
 /* Gives `size` bytes, aligned for any type, or NULL. `user` is config.allocator_user. */
 typedef void *(*msap_alloc_fn)(void *user, size_t size);
@@ -170,20 +176,39 @@ typedef void *(*msap_alloc_fn)(void *user, size_t size);
 /* Takes back what msap_alloc_fn gave; `size` is the size that was asked for. Never called with NULL. */
 typedef void (*msap_free_fn)(void *user, void *pointer, size_t size);
 
+/* A piece of work of a commit. Tasks of one commit may run at the same time, in any
+ * order, on any thread; they never wait for each other and never allocate. */
+typedef void (*msap_task_fn)(void *task);
+
+/* Runs run(task) on another thread and returns a ticket for msap_finish_fn, or runs it
+ * at once and returns NULL. Called on the thread that called the library. */
+typedef void *(*msap_enqueue_fn)(void *user, msap_task_fn run, void *task);
+
+/* Returns when the task of a ticket has run, and what it wrote can be read. */
+typedef void (*msap_finish_fn)(void *user, void *ticket);
+
 /* How a world is set up. Fill it with msap_config_init, then change fields. */
 typedef struct msap_config {
     uint32_t struct_size; /* set by msap_config_init */
     uint32_t dims;        /* 2 or 3 axes; default 3. A 2D world reads and pays for two */
-    uint32_t strategy;    /* an msap_strategy; default MSAP_STRATEGY_AUTO */
-    uint32_t filters;     /* 1: drop touched pairs early by the paper's overlap tests (I.3); 0: settle them
-                             all. Events are the same; default 1 */
     uint32_t grid;        /* an msap_grid; default MSAP_GRID_AUTO */
+    uint32_t strategy;    /* an msap_strategy; default MSAP_STRATEGY_AUTO */
+    uint32_t filters;     /* single SAP: 1 drops touched pairs early by the paper's overlap tests (I.3), 0 settles
+                             them all; default 1 */
     uint32_t simd;        /* an msap_simd; default MSAP_SIMD_AUTO */
     uint32_t max_boxes;   /* msap_add refuses more with MSAP_ERROR_FULL; default MSAP_MAX_BOXES */
-    uint32_t reserved;    /* 0 */
+    uint32_t workers;     /* into how many tasks a commit may be cut, 1 to 64; default 1: none. Needs enqueue */
+    float margin;         /* Multi-SAP: by how much the cells' idea of a box is wider than the box, in the unit of
+                             the bounds, 0 or more; or MSAP_MARGIN_AUTO (the default). Never seen in the events */
+    float cell_size;      /* MSAP_GRID_AUTO: least width of a cell; 0 (the default): chosen from the boxes */
+    uint32_t grid_cells[3]; /* MSAP_GRID_FIXED: cells on each axis, 1 to 4096 each; default 1, 1, 1 */
+    float grid_min[3], grid_max[3]; /* MSAP_GRID_FIXED: finite, min < max on axes with more than one cell */
     msap_alloc_fn alloc;  /* both NULL (the default): malloc and free */
     msap_free_fn free;
     void *allocator_user; /* handed to alloc and free; default NULL */
+    msap_enqueue_fn enqueue; /* the host's job system; both NULL (the default): everything runs on the caller */
+    msap_finish_fn finish;
+    void *jobs_user; /* handed to enqueue and finish; default NULL */
 } msap_config;
 
 /* Fills *config with the defaults; struct_size must be sizeof(msap_config) as the
@@ -387,10 +412,17 @@ typedef struct msap_world_stats {
     uint64_t crossings;         /* of the last commit: a min and a max of two boxes changed places */
     uint64_t touched;           /* of the last commit: pairs looked at, repeats included */
     uint64_t slides, merges, sweeps; /* commits so far that used each strategy */
+    uint64_t moves;             /* Multi-SAP, of the last commit: boxes put into other cells or given a new skin */
+    uint64_t cells;             /* Multi-SAP: cells that hold boxes */
+    uint64_t cells_empty;       /* and those that have memory for their head only */
+    uint64_t incidences;        /* boxes counted once for every cell they are in; over boxes: the replication */
+    uint64_t largest_cell;      /* boxes in the fullest cell */
+    uint64_t giants;            /* boxes too large for any grid, kept in one cell of their own */
+    uint64_t candidates;        /* pairs of neighbours: boxes whose skins overlap */
 } msap_world_stats;
 
 /* Fills *stats. Errors: MSAP_ERROR_NULL, _STRUCT_SIZE. Thread rule: reader. Cost:
- * constant. */
+ * O(n + cells). */
 MSAP_API msap_status msap_stats(const msap_world *world, msap_world_stats *stats);
 
 /* Checks every invariant of the world; reads only, allocates nothing, and is legal

@@ -3,8 +3,8 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * A single call is a batch of one. Each batch runs twice over its input: the first
- * pass only reads and names the first offender, the second cannot fail. */
+ * A single call is a batch of one. A batch is applied whole or not at all: it is
+ * checked first, or what it did before the first offender is undone. */
 #include "internal.h"
 
 static msap_status begin(msap_world *w)
@@ -20,7 +20,7 @@ static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, c
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        msap_status status = bounds_read(boxes, i, w->dims, &bounds, &bound);
+        msap_status status = bounds_read(boxes, i, w->config.dims, &bounds, &bound);
         if (status == MSAP_OK && flags && (flags[i] & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
         if (status != MSAP_OK) return world_fail(w, status, i, bound);
     }
@@ -29,11 +29,11 @@ static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, c
 
 static msap_status reserve(msap_world *w, size_t k)
 {
-    if (k > w->max_boxes || w->boxes.live > w->max_boxes - k) return MSAP_ERROR_FULL;
+    if (k > w->config.max_boxes || w->boxes.live > w->config.max_boxes - k) return MSAP_ERROR_FULL;
     size_t slots = boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
-    int done = w->is_grid ? grid_reserve(&w->grid, &w->memory, slots) : sap_reserve(&w->sap, &w->memory, slots);
+    int done = is_grid(&w->config) ? grid_reserve(&w->grid, &w->memory, slots) : sap_reserve(&w->sap, &w->memory, slots);
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
@@ -52,7 +52,7 @@ msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, 
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, world->dims, &bounds, &bound);
+        bounds_read(boxes, i, world->config.dims, &bounds, &bound);
         uint32_t slot = box_add(&world->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
         handles[i] = handle_of(&world->boxes, slot);
     }
@@ -68,34 +68,56 @@ msap_status msap_add(msap_world *world, const float *min, const float *max, uint
 
 /* ----------------------------------------------------------------- updating */
 
-static msap_status check_update(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes)
+/* Puts the first n boxes of a batch back: those that it marked as changed, behind the
+ * first `n_changed`, were as at the last commit. */
+static void undo_update(struct box_table *t, size_t n_changed)
 {
+    while (t->n_changed > n_changed) {
+        struct box *b = &t->at[t->changed[--t->n_changed]];
+        b->now = b->before;
+        b->flags &= ~(uint32_t)BOX_CHANGED;
+    }
+}
+
+/* Updates the boxes of a batch that were not changed yet, and checks the others, of
+ * which *others becomes the number. */
+static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes,
+                                    size_t *others)
+{
+    size_t n_changed = w->boxes.n_changed;
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        msap_status status = MSAP_ERROR_HANDLE;
-        if (box_find(&w->boxes, handles[i], BOX_LIVE)) status = bounds_read(boxes, i, w->dims, &bounds, &bound);
-        if (status != MSAP_OK) return world_fail(w, status, i, bound);
+        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        msap_status status = b ? bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
+        if (status != MSAP_OK) {
+            undo_update(&w->boxes, n_changed);
+            return world_fail(w, status, i, bound);
+        }
+        if (b->flags & BOX_CHANGED) ++*others;
+        else box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return MSAP_OK;
 }
 
+/* Once all are known to be legal, those that had been changed before are done in a
+ * second pass; the last update of a box is the last in either. */
 msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles, const msap_boxes *boxes)
 {
+    size_t others = 0;
     msap_status status = begin(world);
     if (status != MSAP_OK) return status;
     status = boxes_check(boxes, k);
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
     if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
-    status = check_update(world, k, handles, boxes);
-    if (status != MSAP_OK) return status;
-    for (size_t i = 0; i < k; i++) {
+    status = update_unchanged(world, k, handles, boxes, &others);
+    for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, world->dims, &bounds, &bound);
+        bounds_read(boxes, i, world->config.dims, &bounds, &bound);
         box_change(&world->boxes, slot_of(handles[i]), &bounds);
     }
-    return MSAP_OK;
+    return status;
 }
 
 msap_status msap_update(msap_world *world, msap_handle handle, const float *min, const float *max)

@@ -25,12 +25,12 @@ static void sort_events(struct keys *events, struct scratch *scratch, struct mem
 static msap_status find_events(msap_world *w)
 {
     struct settler *s = &w->settler;
-    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, w->filters};
-    uint32_t strategy = w->strategy;
+    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, w->config.filters};
+    uint32_t strategy = w->config.strategy;
     if (w->stale) strategy = MSAP_STRATEGY_SWEEP;
     s->boxes = w->boxes.at;
     s->memory = &w->memory;
-    if (w->is_grid) {
+    if (is_grid(&w->config)) {
         strategy = grid_update(&w->grid, &job, strategy);
         if (!strategy) return MSAP_ERROR_MEMORY;
     } else {

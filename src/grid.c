@@ -121,43 +121,47 @@ struct cell *cell_next(struct cell_walk *w)
 
 /* -------------------------------------------------------------- life and end */
 
-void grid_init(struct grid *g, uint32_t dims, uint32_t simd)
+/* The config lives as long as the grid. */
+void grid_init(struct grid *g, const msap_config *config)
 {
     memset(g, 0, sizeof *g);
-    g->dims = dims;
-    g->sweep = sweep_for(simd);
+    g->config = config;
+    g->sweep = sweep_for(config->simd);
     pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
     pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }
 
+/* Room for boxes in slots below `slots`. */
 int grid_reserve(struct grid *g, struct memory *m, size_t slots)
 {
+    size_t had = g->slots;
+    if (slots <= had) return 1;
     if (slots > SIZE_MAX / 2 - 8) return 0;
-    size_t old = g->room_place;
-    if (!memory_reserve(m, &g->place, &g->room_place, slots, old, sizeof *g->place)) return 0;
-    for (size_t slot = old; slot < g->room_place; slot++) g->place[slot].level = NO_LEVEL;
-    old = g->near.room;
-    if (!memory_reserve(m, &g->near.of, &g->near.room, slots, old, sizeof *g->near.of)) return 0;
-    memset(g->near.of + old, 0, (g->near.room - old) * sizeof *g->near.of);
-    old = g->room_tag;
-    if (!memory_reserve(m, &g->tag, &g->room_tag, slots, old, sizeof *g->tag)) return 0;
-    memset(g->tag + old, 0, (g->room_tag - old) * sizeof *g->tag);
-    return memory_reserve(m, &g->found, &g->room_found, 2 * slots + 8, 0, sizeof *g->found);
+    if (!memory_reserve(m, &g->place, &g->room_place, slots, had, sizeof *g->place) ||
+        !memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
+        !memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag) ||
+        !memory_reserve(m, &g->found, &g->room_found, 2 * slots + 8, 0, sizeof *g->found))
+        return 0;
+    for (size_t slot = had; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
+    memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
+    memset(g->tag + had, 0, (slots - had) * sizeof *g->tag);
+    g->slots = slots;
+    return 1;
 }
 
-/* Empties all cells and lists of the first so many slots. */
-void grid_empty(struct grid *g, struct memory *m, size_t slots)
+/* Empties all cells and lists. */
+void grid_empty(struct grid *g, struct memory *m)
 {
     for (size_t i = 0; i < g->n_cells; i++) cell_drop(&g->cell[i], &g->pool, m);
     pool_empty(&g->pool);
     for (uint32_t level = 0; level < LEVELS; level++) g->level[level].boxes = 0;
-    near_empty(&g->near, m, slots);
-    for (size_t slot = 0; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
+    near_empty(&g->near, m, g->slots);
+    for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
 }
 
-void grid_free(struct grid *g, struct memory *m, size_t slots)
+void grid_free(struct grid *g, struct memory *m)
 {
-    grid_empty(g, m, slots);
+    grid_empty(g, m);
     pool_free(&g->pool, m);
     pool_free(&g->near.pool, m);
     memory_free(m, g->cell, g->room_cell, sizeof *g->cell);
@@ -170,12 +174,13 @@ void grid_free(struct grid *g, struct memory *m, size_t slots)
 
 /* -------------------------------------------------- entering, kept and left */
 
-/* Puts a box, whose place has its fat bounds and level, into its cells. */
-int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static)
+/* Puts a box, whose place has its fat bounds and level, into its cells: base, as
+ * grid_range gives them. Returns 0 without memory. */
+int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
     struct level *l = &g->level[p->level];
-    struct cell_walk w = cell_walk(l, grid_range_on(g, grid_range(g, &p->fat), p->level));
+    struct cell_walk w = cell_walk(l, grid_range_on(g, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;)
         if (!cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
     l->boxes++;
@@ -183,11 +188,11 @@ int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static)
 }
 
 /* Takes a box out of its cells. */
-void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static)
+void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
     struct level *l = &g->level[p->level];
-    struct cell_walk w = cell_walk(l, grid_range_on(g, grid_range(g, &p->fat), p->level));
+    struct cell_walk w = cell_walk(l, grid_range_on(g, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_remove(c, &g->pool, m, slot, is_static);
     l->boxes--;
     p->level = NO_LEVEL;
@@ -195,24 +200,20 @@ void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static)
 
 static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
 
-/* Gives a box other fat bounds. Cells left, kept and entered (paper II.3c): mostly
- * all are kept. Returns 0 without memory. */
-int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old)
+/* Brings the cells of a box up to date with its new fat bounds. Cells left, kept and
+ * entered (paper II.3c): mostly all are kept, else all are left and entered. Returns 0
+ * without memory. */
+int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from, struct range to)
 {
     struct place *p = &g->place[slot];
-    struct range base = grid_range(g, &p->fat), was = grid_range(g, old);
-    uint32_t level = grid_level_for(base);
-    if (level == p->level && same_range(&base, &was)) {
-        struct cell_walk w = cell_walk(&g->level[level], grid_range_on(g, base, level));
+    if (same_range(&from, &to)) {
+        struct cell_walk w = cell_walk(&g->level[p->level], grid_range_on(g, to, p->level));
         for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_update(c, &p->fat, slot, is_static);
         return 1;
     }
-    struct bounds fat = p->fat;
-    p->fat = *old;
-    grid_take(g, m, slot, is_static);
-    p->fat = fat;
-    p->level = (uint8_t)level;
-    return grid_put(g, m, slot, is_static);
+    grid_take(g, m, slot, is_static, from);
+    p->level = (uint8_t)grid_level_for(to);
+    return grid_put(g, m, slot, is_static, to);
 }
 
 /* ------------------------------------------------------------------ asking */
@@ -234,10 +235,9 @@ static size_t drop_tagged(struct grid *g, size_t from, size_t n, uint32_t self)
 /* Puts into `found`, each once and tagged with the token, the boxes on levels from
  * first_level on whose fat bounds overlap those of a box that is or may be in the
  * grid itself; of a static box, those that are not static. Returns how many. */
-size_t grid_query(struct grid *g, uint32_t self, int is_static, uint32_t first_level)
+size_t grid_query(struct grid *g, uint32_t self, int is_static, struct range base, uint32_t first_level)
 {
     const struct bounds *fat = &g->place[self].fat;
-    struct range base = grid_range(g, fat);
     size_t n = 0;
     for (uint32_t level = first_level; level < LEVELS; level++) {
         if (g->level[level].boxes == 0) continue;
@@ -256,6 +256,6 @@ void grid_new_token(struct grid *g)
 {
     g->token += 2;
     if (g->token < UINT32_MAX - 2) return;
-    memset(g->tag, 0, g->room_tag * sizeof *g->tag);
+    memset(g->tag, 0, g->slots * sizeof *g->tag);
     g->token = 2;
 }

@@ -24,7 +24,13 @@
 
 #include <string.h>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #define NONE UINT32_MAX /* no slot, no pair */
+
+enum { MOST_WORKERS = 64, MOST_GRID_CELLS = 4096 };
 
 /* ---------------------------------------------------------------- memory.c */
 
@@ -109,11 +115,24 @@ msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, stru
 msap_boxes boxes_of_one(const float *min, const float *max);
 msap_status boxes_check(const msap_boxes *boxes, size_t k);
 
+#if defined(__SSE2__)
+/* Both read four values where there are three; what follows the bounds in their
+ * struct is read along and left out. */
+static inline __m128i load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
+
+static inline int overlap(const struct bounds *a, const struct bounds *b)
+{
+    __m128i apart = _mm_or_si128(_mm_cmpgt_epi32(load_bounds(a->min), load_bounds(b->max)),
+                                 _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
+    return !(_mm_movemask_ps(_mm_castsi128_ps(apart)) & 7);
+}
+#else
 static inline int overlap(const struct bounds *a, const struct bounds *b)
 {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
 }
+#endif
 
 static inline int contains(const struct bounds *outer, const struct bounds *inner)
 {
@@ -201,7 +220,19 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-void settle(struct settler *s, uint32_t a, uint32_t b);
+void settle_change(struct settler *s, uint64_t key, int is);
+
+/* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
+static inline void settle(struct settler *s, uint32_t a, uint32_t b)
+{
+    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    uint32_t both = p->flags & q->flags;
+    int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
+    int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
+    s->touched++;
+    if (was != is && !(both & BOX_STATIC)) settle_change(s, pair_key(a, b), is);
+}
+
 void touch_known_pairs(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
@@ -401,7 +432,7 @@ struct place {
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. */
 struct grid {
-    uint32_t dims;
+    const msap_config *config;
     sweep_fn sweep;
     struct grid_axis axis[3];
     struct level level[LEVELS];
@@ -412,6 +443,7 @@ struct grid {
     struct near_lists near;
     uint32_t *tag;   /* [slots] within a commit: `token` marks what a query has found */
     uint32_t *found; /* what a query has found */
+    size_t slots; /* of the box table that the arrays above are ready for */
     size_t room_place, room_tag, room_found;
     uint32_t token;
     uint32_t commit; /* counts commits, for the age of skins */
@@ -421,17 +453,17 @@ struct grid {
     int has_lists;        /* 0: the last commit rebuilt the grid without neighbour lists */
 };
 
-void grid_init(struct grid *g, uint32_t dims, uint32_t simd);
-void grid_empty(struct grid *g, struct memory *m, size_t slots);
-void grid_free(struct grid *g, struct memory *m, size_t slots);
+void grid_init(struct grid *g, const msap_config *config);
+void grid_empty(struct grid *g, struct memory *m);
+void grid_free(struct grid *g, struct memory *m);
 int grid_reserve(struct grid *g, struct memory *m, size_t slots);
 struct range grid_range(const struct grid *g, const struct bounds *b);
 struct range grid_range_on(const struct grid *g, struct range base, uint32_t level);
 uint32_t grid_level_for(struct range base);
-int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static);
-void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static);
-int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old);
-size_t grid_query(struct grid *g, uint32_t self, int is_static, uint32_t first_level);
+int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
+void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
+int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from, struct range to);
+size_t grid_query(struct grid *g, uint32_t self, int is_static, struct range base, uint32_t first_level);
 void grid_new_token(struct grid *g);
 int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
 
@@ -451,7 +483,7 @@ struct cell_walk cell_walk(const struct level *l, struct range r);
 struct cell *cell_next(struct cell_walk *w);
 struct cell *cell_at(const struct level *l, const int32_t at[3]);
 
-void skin_renew(struct place *p, const struct box *b, uint32_t commit, uint32_t vain);
+void skin_renew(struct place *p, const struct box *b, uint32_t slot, uint32_t commit, uint32_t vain);
 void skin_first(struct place *p, const struct box *b, uint32_t commit);
 
 /* ------------------------------------------------------ rebuild.c, track.c */
@@ -461,13 +493,14 @@ uint32_t grid_update(struct grid *g, const struct job *job, uint32_t strategy);
 
 /* ----------------------------------------------------------------- world.c */
 
+static inline int is_grid(const msap_config *c) { return c->grid != MSAP_GRID_NONE; }
+
 struct msap_world {
     struct memory memory;
-    uint32_t strategy, filters, max_boxes, dims;
+    msap_config config; /* as it was created with */
     struct box_table boxes;
-    uint32_t is_grid;
-    struct sap sap;   /* unless is_grid */
-    struct grid grid; /* if is_grid */
+    struct sap sap;   /* if config.grid is MSAP_GRID_NONE */
+    struct grid grid; /* if not */
     struct pair_table pairs;
     struct settler settler;
     struct scratch scratch;

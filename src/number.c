@@ -63,39 +63,92 @@ static uint32_t float_bits_outward(uint64_t bits, unsigned up)
     return (uint32_t)negative << 31 | magnitude;
 }
 
-static uint32_t read_float_bits(const char *at, uint32_t scalar, unsigned up)
-{
-    uint64_t wide;
-    uint32_t bits;
-    if (scalar == MSAP_DOUBLE) {
-        memcpy(&wide, at, sizeof wide);
-        return float_bits_outward(wide, up);
-    }
-    memcpy(&bits, at, sizeof bits);
-    return bits;
-}
-
 /* ------------------------------------------------------------------- bounds */
 
 enum { ORDERED_INF = FLOAT_INF, ORDERED_MINUS_INF = -FLOAT_INF - 1 };
 
-/* Reads one row. Returns 1 if it is legal: a NaN is above +inf or below -inf, so that
- * no NaN stands between -inf <= min <= max <= +inf. */
-static int read_row(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out)
+/* The bits of three mins or maxes, and a fourth value; those of an axis that a 2D
+ * world does not have are 0. */
+#if defined(__SSE2__)
+typedef __m128i lanes;
+static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
 {
-    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
-    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
+    return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);
+}
+#else
+typedef struct {
+    uint32_t at[3];
+} lanes;
+static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
+{
+    lanes l = {{x, y, z}};
+    return l;
+}
+#endif
+
+static inline uint32_t load(const char *at)
+{
+    uint32_t bits;
+    memcpy(&bits, at, sizeof bits);
+    return bits;
+}
+
+static inline uint32_t load_outward(const char *at, unsigned up)
+{
+    uint64_t bits;
+    memcpy(&bits, at, sizeof bits);
+    return float_bits_outward(bits, up);
+}
+
+static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
+{
+    return lanes_of(load(at), load(at + step), dims == 3 ? load(at + 2 * step) : 0);
+}
+
+static lanes load_doubles(const char *at, ptrdiff_t step, uint32_t dims, unsigned up)
+{
+    return lanes_of(load_outward(at, up), load_outward(at + step, up),
+                    dims == 3 ? load_outward(at + 2 * step, up) : 0);
+}
+
+/* Encodes a row. Returns 1 if it is legal: a NaN is above +inf or below -inf, so that
+ * none stands between -inf <= min <= max <= +inf. */
+#if defined(__SSE2__)
+static inline __m128i encode_lanes(__m128i bits)
+{
+    bits = _mm_andnot_si128(_mm_cmpeq_epi32(bits, _mm_set1_epi32(INT32_MIN)), bits);
+    return _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+}
+
+static inline void store_lanes(int32_t out[3], __m128i values)
+{
+    int32_t third = _mm_cvtsi128_si32(_mm_unpackhi_epi32(values, values));
+    _mm_storel_epi64((__m128i *)(void *)out, values);
+    out[2] = third;
+}
+
+static inline int encode(lanes min, lanes max, struct bounds *out)
+{
+    min = encode_lanes(min);
+    max = encode_lanes(max);
+    store_lanes(out->min, min);
+    store_lanes(out->max, max);
+    __m128i wrong = _mm_or_si128(_mm_cmpgt_epi32(_mm_set1_epi32(ORDERED_MINUS_INF), min),
+                                 _mm_cmpgt_epi32(max, _mm_set1_epi32(ORDERED_INF)));
+    return !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(wrong, _mm_cmpgt_epi32(min, max)))) & 7);
+}
+#else
+static inline int encode(lanes min, lanes max, struct bounds *out)
+{
     int legal = 1;
-    out->min[2] = out->max[2] = 0;
-    for (uint32_t c = 0; c < dims; c++) {
-        uint32_t low = read_float_bits(min + (ptrdiff_t)c * boxes->min_component, boxes->scalar, 0);
-        uint32_t high = read_float_bits(max + (ptrdiff_t)c * boxes->max_component, boxes->scalar, 1);
-        out->min[c] = ordered_from_float_bits(low);
-        out->max[c] = ordered_from_float_bits(high);
-        legal &= (ORDERED_MINUS_INF <= out->min[c]) & (out->min[c] <= out->max[c]) & (out->max[c] <= ORDERED_INF);
+    for (int k = 0; k < 3; k++) {
+        out->min[k] = ordered_from_float_bits(min.at[k]);
+        out->max[k] = ordered_from_float_bits(max.at[k]);
+        legal &= (ORDERED_MINUS_INF <= out->min[k]) & (out->min[k] <= out->max[k]) & (out->max[k] <= ORDERED_INF);
     }
     return legal;
 }
+#endif
 
 static int is_nan(int32_t ordered) { return ordered < ORDERED_MINUS_INF || ordered > ORDERED_INF; }
 
@@ -115,7 +168,15 @@ static msap_status diagnose(const struct bounds *b, uint32_t *bound)
  * the one at fault. */
 msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out, uint32_t *bound)
 {
-    return read_row(boxes, row, dims, out) ? MSAP_OK : diagnose(out, bound);
+    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
+    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
+    int legal;
+    if (boxes->scalar == MSAP_FLOAT)
+        legal = encode(load_floats(min, boxes->min_component, dims), load_floats(max, boxes->max_component, dims), out);
+    else
+        legal = encode(load_doubles(min, boxes->min_component, dims, 0),
+                       load_doubles(max, boxes->max_component, dims, 1), out);
+    return legal ? MSAP_OK : diagnose(out, bound);
 }
 
 msap_boxes boxes_of_one(const float *min, const float *max)

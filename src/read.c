@@ -10,7 +10,7 @@ msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *
     if (!world || !min || !max) return MSAP_ERROR_NULL;
     const struct box *b = box_find(&world->boxes, handle, BOX_LIVE);
     if (!b) return MSAP_ERROR_HANDLE;
-    for (uint32_t k = 0; k < world->dims; k++) {
+    for (uint32_t k = 0; k < world->config.dims; k++) {
         min[k] = float_from_bits(float_bits_from_ordered(b->now.min[k]));
         max[k] = float_from_bits(float_bits_from_ordered(b->now.max[k]));
     }

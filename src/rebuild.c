@@ -26,10 +26,10 @@ struct rebuild {
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
-static void fit_skin(struct place *p, const struct box *b, uint32_t commit)
+static void fit_skin(struct place *p, const struct box *b, uint32_t slot, uint32_t commit)
 {
     if (p->horizon == NO_HORIZON) skin_first(p, b, commit);
-    else if (!contains(&p->fat, &b->now)) skin_renew(p, b, commit, 0);
+    else if (!contains(&p->fat, &b->now)) skin_renew(p, b, slot, commit, 0);
 }
 
 static void count_cells(struct rebuild *r)
@@ -39,7 +39,7 @@ static void count_cells(struct rebuild *r)
     for (uint32_t slot = 0; slot < t->used; slot++) {
         struct place *p = &g->place[slot];
         if (!(t->at[slot].flags & BOX_LIVE)) continue;
-        fit_skin(p, &t->at[slot], g->commit);
+        fit_skin(p, &t->at[slot], slot, g->commit);
         struct range base = grid_range(g, &p->fat);
         p->level = (uint8_t)grid_level_for(base);
         r->range[slot] = grid_range_on(g, base, p->level);
@@ -137,7 +137,8 @@ static int ask_coarser(struct rebuild *r)
     for (uint32_t slot = 0; slot < t->used; slot++) {
         if (!(t->at[slot].flags & BOX_LIVE) || g->place[slot].level >= last) continue;
         grid_new_token(g);
-        size_t n = grid_query(g, slot, (t->at[slot].flags & BOX_STATIC) != 0, g->place[slot].level + 1u);
+        size_t n = grid_query(g, slot, (t->at[slot].flags & BOX_STATIC) != 0, grid_range(g, &g->place[slot].fat),
+                              g->place[slot].level + 1u);
         for (size_t i = 0; i < n; i++)
             if (!found_pair(r, slot, g->found[i])) return 0;
     }
@@ -166,7 +167,7 @@ int grid_rebuild(struct grid *g, const struct job *job, int with_lists)
 {
     struct rebuild r = {g, job, NULL};
     forget_absent(g, job->boxes->used);
-    grid_empty(g, job->memory, job->boxes->used);
+    grid_empty(g, job->memory);
     g->has_lists = with_lists;
     if (layout_is_old(g, job->boxes->live) && !grid_layout(g, job->memory, job->boxes)) return 0;
     r.range = scratch_get(job->scratch, job->memory, job->boxes->used * sizeof *r.range / sizeof(uint64_t) + 1);

@@ -1,10 +1,11 @@
-/* Settling: what a touched pair comes to.
+/* Settling: what a touched pair comes to (the decision itself is in internal.h, since
+ * it is made for every touch).
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
  * Whatever touched the pair, and in which order axes and boxes were processed, the
- * decision is made here from the boxes alone, as they were at the last commit and
+ * decision is made from the boxes alone, as they were at the last commit and
  * as they are now. So nothing is ever decided by half-updated data, a pair that
  * begins and ceases to overlap between two commits leaves no trace, and "start
  * before stop" (paper I.3) is no rule that anybody must keep. The test of `before`
@@ -31,17 +32,11 @@ static void put_fresh(struct settler *s, uint64_t key)
     else fresh->at[fresh->n++] = key;
 }
 
-/* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
-void settle(struct settler *s, uint32_t a, uint32_t b)
+/* A pair that overlaps now and did not before, or the other way round. */
+void settle_change(struct settler *s, uint64_t key, int is)
 {
-    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
-    uint32_t both = p->flags & q->flags;
-    s->touched++;
-    if (both & BOX_STATIC) return;
-    int was = (both & BOX_WAS) && overlap(&p->before, &q->before);
-    int is = (both & BOX_LIVE) && overlap(&p->now, &q->now);
-    if (is && !was) put_fresh(s, pair_key(a, b));
-    if (was && !is) put_doomed(s, pair_key(a, b));
+    if (is) put_fresh(s, key);
+    else put_doomed(s, key);
 }
 
 /* Touches the known pairs of changed boxes. */

@@ -25,7 +25,7 @@ enum { HORIZON_LEAST = 3, HORIZON_FIRST = 8, HORIZON_MOST = 64, WOBBLE_MOST = 4,
 static void learn(struct place *p, uint32_t age, uint32_t vain)
 {
     uint32_t horizon = p->horizon;
-    if (age * 2 < horizon) {
+    if (age * 3 < horizon) {
         if (p->wobble < WOBBLE_MOST) p->wobble++;
         else horizon -= horizon / 2;
     } else if ((uint64_t)vain * age > TESTS_OF_A_MOVE) {
@@ -66,8 +66,16 @@ static struct motion motion_of(const struct box *b)
     return m;
 }
 
+/* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
+ * leave their skins in one commit. */
+static double spread(uint32_t slot, uint32_t commit)
+{
+    uint32_t mixed = (slot ^ commit * 0x85ebca6bu) * 0x9e3779b1u;
+    return 0.5 + (double)(mixed >> 24) / 512;
+}
+
 /* Gives a box that has left its skin in this commit a new one. */
-void skin_renew(struct place *p, const struct box *b, uint32_t commit, uint32_t vain)
+void skin_renew(struct place *p, const struct box *b, uint32_t slot, uint32_t commit, uint32_t vain)
 {
     struct motion m = motion_of(b);
     learn(p, commit - p->since, vain);
@@ -76,6 +84,8 @@ void skin_renew(struct place *p, const struct box *b, uint32_t commit, uint32_t 
     double horizon = p->horizon;
     if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
     if (!(horizon >= HORIZON_LEAST && m.size < 1e30)) return; /* nor if an infinity made a NaN */
+    p->horizon = (uint8_t)horizon;
+    horizon *= spread(slot, commit);
     for (uint32_t k = 0; k < 3; k++) {
         double step = magnitude(m.down[k]) > magnitude(m.up[k]) ? magnitude(m.down[k]) : magnitude(m.up[k]);
         double aside = step * horizon * p->wobble / 8;

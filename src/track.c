@@ -29,7 +29,7 @@ static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0;
 static void leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
-    grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]));
+    grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]), grid_range(g, &g->place[slot].fat));
     for (uint32_t i = 0; i < l->n; i++) {
         settle(job->settler, slot, l->at[i]);
         near_remove(&g->near, l->at[i], slot);
@@ -55,10 +55,10 @@ static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
 }
 
 /* Makes the list of a box what its fat bounds say. Returns 0 without memory. */
-static int renew_list(struct grid *g, const struct job *job, uint32_t slot)
+static int renew_list(struct grid *g, const struct job *job, uint32_t slot, struct range base)
 {
     grid_new_token(g);
-    size_t n = grid_query(g, slot, is_static(&job->boxes->at[slot]), 0);
+    size_t n = grid_query(g, slot, is_static(&job->boxes->at[slot]), base, 0);
     part_from_old(g, job, slot);
     for (size_t i = 0; i < n; i++) {
         uint32_t other = g->found[i];
@@ -82,14 +82,19 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
-    struct bounds old = p->fat;
+    struct range base, old = grid_range(g, &p->fat);
+    int done;
     if (p->level == NO_LEVEL) {
         skin_first(p, b, g->commit);
-        p->level = (uint8_t)grid_level_for(grid_range(g, &p->fat));
-        return grid_put(g, job->memory, slot, is_static(b)) && renew_list(g, job, slot);
+        base = grid_range(g, &p->fat);
+        p->level = (uint8_t)grid_level_for(base);
+        done = grid_put(g, job->memory, slot, is_static(b), base);
+    } else {
+        skin_renew(p, b, slot, g->commit, count_vain(g, job->boxes->at, slot));
+        base = grid_range(g, &p->fat);
+        done = grid_move(g, job->memory, slot, is_static(b), old, base);
     }
-    skin_renew(p, b, g->commit, count_vain(g, job->boxes->at, slot));
-    return grid_move(g, job->memory, slot, is_static(b), &old) && renew_list(g, job, slot);
+    return done && renew_list(g, job, slot, base);
 }
 
 static int is_misplaced(const struct grid *g, const struct box_table *t, uint32_t slot)

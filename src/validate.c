@@ -66,7 +66,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
 {
     if (!world) return MSAP_ERROR_NULL;
     const char *broken = boxes_broken(&world->boxes);
-    if (!broken && !world->is_grid) broken = sap_broken(&world->sap, &world->boxes);
+    if (!broken && !is_grid(&world->config)) broken = sap_broken(&world->sap, &world->boxes);
     if (!broken) broken = pairs_broken(&world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
     if (what) *what = broken;

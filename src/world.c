@@ -12,21 +12,41 @@ msap_status msap_config_init(msap_config *config, size_t struct_size)
     memset(config, 0, sizeof *config);
     config->struct_size = (uint32_t)sizeof *config;
     config->dims = 3;
-    config->strategy = MSAP_STRATEGY_AUTO;
     config->filters = 1;
-    config->grid = MSAP_GRID_AUTO;
-    config->simd = MSAP_SIMD_AUTO;
     config->max_boxes = MSAP_MAX_BOXES;
+    config->workers = 1;
+    config->margin = MSAP_MARGIN_AUTO;
+    for (int k = 0; k < 3; k++) config->grid_cells[k] = 1;
     return MSAP_OK;
+}
+
+static int is_finite(float value) { return value - value == 0; }
+
+static int jobs_legal(const msap_config *c)
+{
+    if (!c->enqueue != !c->finish) return 0;
+    return c->workers == 1 || (c->workers > 1 && c->workers <= MOST_WORKERS && c->enqueue);
+}
+
+static int grid_legal(const msap_config *c)
+{
+    if (c->grid > MSAP_GRID_FIXED) return 0;
+    if (!(c->cell_size >= 0) || !is_finite(c->cell_size)) return 0;
+    if (c->margin != MSAP_MARGIN_AUTO && (!(c->margin >= 0) || !is_finite(c->margin))) return 0;
+    for (uint32_t k = 0; k < 3 && c->grid == MSAP_GRID_FIXED; k++) {
+        if (c->grid_cells[k] < 1 || c->grid_cells[k] > MOST_GRID_CELLS) return 0;
+        if (!is_finite(c->grid_min[k]) || !is_finite(c->grid_max[k])) return 0;
+        if (c->grid_cells[k] > 1 && (k >= c->dims || !(c->grid_min[k] < c->grid_max[k]))) return 0;
+    }
+    return 1;
 }
 
 static msap_status config_check(const msap_config *c)
 {
     if (c->struct_size != sizeof *c) return MSAP_ERROR_STRUCT_SIZE;
-    if (c->dims < 2 || c->dims > 3) return MSAP_ERROR_CONFIG;
-    if (c->strategy > MSAP_STRATEGY_SWEEP) return MSAP_ERROR_CONFIG;
-    if (c->filters > 1 || c->max_boxes > MSAP_MAX_BOXES || c->reserved != 0) return MSAP_ERROR_CONFIG;
-    return MSAP_OK;
+    if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1) return MSAP_ERROR_CONFIG;
+    if (c->simd > MSAP_SIMD_256 || c->max_boxes > MSAP_MAX_BOXES) return MSAP_ERROR_CONFIG;
+    return grid_legal(c) && jobs_legal(c) ? MSAP_OK : MSAP_ERROR_CONFIG;
 }
 
 msap_status msap_create(const msap_config *config, msap_world **world)
@@ -43,15 +63,11 @@ msap_status msap_create(const msap_config *config, msap_world **world)
     if (!w) return MSAP_ERROR_MEMORY;
     memset(w, 0, sizeof *w);
     w->memory = memory;
-    w->dims = config->dims;
-    w->strategy = config->strategy;
-    w->filters = config->filters;
-    w->max_boxes = config->max_boxes;
+    w->config = *config;
     w->error_bound = MSAP_NO_BOUND;
     boxes_init(&w->boxes);
-    w->is_grid = config->grid != MSAP_GRID_NONE;
     sap_init(&w->sap, config->dims);
-    grid_init(&w->grid, config->dims, config->simd);
+    grid_init(&w->grid, &w->config);
     *world = w;
     return MSAP_OK;
 }
@@ -62,7 +78,7 @@ msap_status msap_destroy(msap_world *world)
     if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     struct memory m = world->memory;
     sap_free(&world->sap, &m);
-    grid_free(&world->grid, &m, world->boxes.used);
+    grid_free(&world->grid, &m);
     boxes_free(&world->boxes, &m);
     pairs_free(&world->pairs, &m);
     keys_free(&world->settler.fresh, &m);
