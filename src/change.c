@@ -33,7 +33,9 @@ static msap_status reserve(msap_world *w, size_t k)
     size_t slots = boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
-    int done = is_grid(&w->config) ? grid_reserve(&w->grid, &w->memory, slots) : sap_reserve(&w->sap, &w->memory, slots);
+    int done = is_grid(&w->config)
+                   ? grid_reserve(&w->grid, &w->memory, slots) && crew_reserve(&w->crew, &w->memory, slots)
+                   : sap_reserve(&w->sap, &w->memory, slots);
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 

@@ -24,8 +24,8 @@ static void sort_events(struct keys *events, struct scratch *scratch, struct mem
 /* Steps 1 and 2: fills the lists of events. */
 static msap_status find_events(msap_world *w)
 {
-    struct settler *s = &w->settler;
-    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, w->config.filters};
+    struct settler *s = &w->crew.worker[0].settler;
+    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, &w->crew, w->config.filters};
     uint32_t strategy = w->config.strategy;
     if (w->stale) strategy = MSAP_STRATEGY_SWEEP;
     s->boxes = w->boxes.at;
@@ -47,7 +47,7 @@ static msap_status find_events(msap_world *w)
 /* Step 3: room for the events, and on the doomed list for every pair there will be. */
 static msap_status reserve_events(msap_world *w)
 {
-    struct settler *s = &w->settler;
+    struct settler *s = &w->crew.worker[0].settler;
     size_t active = w->pairs.active - s->doomed.n + s->fresh.n;
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (s->fresh.n == 0) return MSAP_OK;
@@ -58,7 +58,7 @@ static msap_status reserve_events(msap_world *w)
 /* Steps 1 to 4. */
 static msap_status apply_changes(msap_world *w)
 {
-    struct settler *s = &w->settler;
+    struct settler *s = &w->crew.worker[0].settler;
     s->fresh.n = s->doomed.n = 0;
     s->lost = 0;
     s->touched = s->crossings = 0;

@@ -139,8 +139,7 @@ int grid_reserve(struct grid *g, struct memory *m, size_t slots)
     if (slots > SIZE_MAX / 2 - 8) return 0;
     if (!memory_reserve(m, &g->place, &g->room_place, slots, had, sizeof *g->place) ||
         !memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
-        !memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag) ||
-        !memory_reserve(m, &g->found, &g->room_found, 2 * slots + 8, 0, sizeof *g->found))
+        !memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag))
         return 0;
     for (size_t slot = had; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
     memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
@@ -168,7 +167,6 @@ void grid_free(struct grid *g, struct memory *m)
     memory_free(m, g->place, g->room_place, sizeof *g->place);
     memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
     memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
-    memory_free(m, g->found, g->room_found, sizeof *g->found);
     memset(g, 0, sizeof *g);
 }
 
@@ -218,37 +216,23 @@ int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, st
 
 /* ------------------------------------------------------------------ asking */
 
-/* Drops from found[from ... from + n) what carries the token and gives it to the
- * rest. Returns how many are left. */
-static size_t drop_tagged(struct grid *g, size_t from, size_t n, uint32_t self)
-{
-    size_t kept = from;
-    for (size_t i = from; i < from + n; i++) {
-        uint32_t slot = g->found[i];
-        if (slot == self || g->tag[slot] == g->token) continue;
-        g->tag[slot] = g->token;
-        g->found[kept++] = slot;
-    }
-    return kept - from;
-}
-
-/* Puts into `found`, each once and tagged with the token, the boxes on levels from
- * first_level on whose fat bounds overlap those of a box that is or may be in the
- * grid itself; of a static box, those that are not static. Returns how many. */
-size_t grid_query(struct grid *g, uint32_t self, int is_static, struct range base, uint32_t first_level)
+/* Writes, behind each other as pairs with `self`, the boxes on levels from first_level
+ * on whose fat bounds overlap those of `self`; for a static box, those that are not
+ * static. A box that is met in several cells is written several times. */
+void grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level)
 {
     const struct bounds *fat = &g->place[self].fat;
-    size_t n = 0;
+    struct range base = grid_range(g, fat);
     for (uint32_t level = first_level; level < LEVELS; level++) {
         if (g->level[level].boxes == 0) continue;
-        struct cell_walk w = cell_walk(&g->level[level], grid_range_on(g, base, level));
-        for (struct cell *c; (c = cell_next(&w)) != NULL;) {
+        struct cell_walk walk = cell_walk(&g->level[level], grid_range_on(g, base, level));
+        for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
             if (c->n == 0) continue;
-            size_t more = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, g->found + n);
-            n += drop_tagged(g, n, more, self);
+            size_t n = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found);
+            for (size_t i = 0; i < n; i++)
+                if (w->found[i] != self) worker_put(w, (uint64_t)self << 32 | w->found[i]);
         }
     }
-    return n;
 }
 
 /* A token that no tag carries, nor the one after it. */

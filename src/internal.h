@@ -112,6 +112,9 @@ static inline float float_from_bits(uint32_t bits)
 /* Where bounds come from: an msap_boxes with its struct_size checked. */
 msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
                         uint32_t *bound);
+double value_of(int32_t ordered);
+int32_t ordered_outward(double value, unsigned up);
+struct bounds bounds_widened(const struct bounds *b, float margin);
 msap_boxes boxes_of_one(const float *min, const float *max);
 msap_status boxes_check(const msap_boxes *boxes, size_t k);
 
@@ -208,10 +211,10 @@ struct job;
  * pair is decided. Reads the box table only. */
 struct settler {
     const struct box *boxes;
-    struct memory *memory; /* to grow the lists */
+    struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    int lost;              /* 1: `fresh` could not grow, a touch was lost */
+    int lost;              /* 1: a list could not grow, something was lost */
     uint64_t touched, crossings;
 };
 
@@ -233,7 +236,7 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
     if (was != is && !(both & BOX_STATIC)) settle_change(s, pair_key(a, b), is);
 }
 
-void touch_known_pairs(const struct job *job);
+int touch_known_pairs(struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
 
@@ -313,9 +316,10 @@ void *scratch_get(struct scratch *s, struct memory *m, size_t words);
 struct job {
     struct box_table *boxes;
     struct pair_table *pairs;
-    struct settler *settler;
+    struct settler *settler; /* of worker 0 */
     struct memory *memory;
     struct scratch *scratch;
+    struct crew *crew;
     uint32_t filters;
 };
 
@@ -324,8 +328,36 @@ void sap_free(struct sap *s, struct memory *m);
 int sap_reserve(struct sap *s, struct memory *m, size_t slots);
 void sap_trim(struct sap *s, struct memory *m, size_t slots);
 uint32_t sap_choose(const struct sap *s, const struct job *job);
-void sap_update(struct sap *s, const struct job *job, uint32_t strategy);
+void sap_update(struct sap *s, struct job *job, uint32_t strategy);
 const char *sap_broken(const struct sap *s, const struct box_table *boxes);
+
+/* ----------------------------------------------------------------- phase.c */
+
+/* What one thread of a phase writes. */
+struct worker {
+    struct settler settler;
+    struct keys pairs; /* pairs of slots that were found */
+    uint32_t *found;   /* [slots + 8] what a sweep has found */
+    size_t room_found;
+};
+
+/* Worker 0 is the calling thread; workers 1 ... size, if size > 1, run the tasks of
+ * a phase, the first of them on the calling thread too. */
+struct crew {
+    uint32_t size;
+    struct worker worker[1 + MOST_WORKERS];
+    msap_enqueue_fn enqueue;
+    msap_finish_fn finish;
+    void *jobs_user;
+};
+
+/* Works on items first ... last - 1. */
+typedef void (*phase_fn)(void *context, struct worker *w, size_t first, size_t last);
+void crew_init(struct crew *crew, const msap_config *config);
+int crew_reserve(struct crew *crew, struct memory *m, size_t slots);
+void crew_free(struct crew *crew, struct memory *m);
+int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n);
+void worker_put(struct worker *w, uint64_t key);
 
 /* ----------------------------------------------------------------- prune.c */
 
@@ -441,14 +473,14 @@ struct grid {
     struct pool pool;    /* of the cells */
     struct place *place; /* [slots] */
     struct near_lists near;
-    uint32_t *tag;   /* [slots] within a commit: `token` marks what a query has found */
-    uint32_t *found; /* what a query has found */
+    uint32_t *tag;   /* [slots] within a commit: `token` marks what was found for a box */
     size_t slots; /* of the box table that the arrays above are ready for */
-    size_t room_place, room_tag, room_found;
+    size_t room_place, room_tag;
     uint32_t token;
     uint32_t commit; /* counts commits, for the age of skins */
     size_t laid_out_for;  /* boxes when the layout was chosen; 0: no layout yet */
     uint32_t laid_out_at; /* the commit in which it was */
+    size_t moves;         /* boxes that the last commit put into other cells or gave a new skin */
     int upheaval;         /* the last commit moved most boxes */
     int has_lists;        /* 0: the last commit rebuilt the grid without neighbour lists */
 };
@@ -463,7 +495,7 @@ uint32_t grid_level_for(struct range base);
 int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from, struct range to);
-size_t grid_query(struct grid *g, uint32_t self, int is_static, struct range base, uint32_t first_level);
+void grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
 void grid_new_token(struct grid *g);
 int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
 
@@ -483,13 +515,13 @@ struct cell_walk cell_walk(const struct level *l, struct range r);
 struct cell *cell_next(struct cell_walk *w);
 struct cell *cell_at(const struct level *l, const int32_t at[3]);
 
-void skin_renew(struct place *p, const struct box *b, uint32_t slot, uint32_t commit, uint32_t vain);
-void skin_first(struct place *p, const struct box *b, uint32_t commit);
+void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
+void skin_first(struct place *p, const struct box *b, const struct grid *g);
 
 /* ------------------------------------------------------ rebuild.c, track.c */
 
-int grid_rebuild(struct grid *g, const struct job *job, int with_lists);
-uint32_t grid_update(struct grid *g, const struct job *job, uint32_t strategy);
+int grid_rebuild(struct grid *g, struct job *job, int with_lists);
+uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy);
 
 /* ----------------------------------------------------------------- world.c */
 
@@ -502,7 +534,7 @@ struct msap_world {
     struct sap sap;   /* if config.grid is MSAP_GRID_NONE */
     struct grid grid; /* if not */
     struct pair_table pairs;
-    struct settler settler;
+    struct crew crew;
     struct scratch scratch;
     int busy;  /* 1 while an owner call runs: calls from inside its callbacks are refused */
     int stale; /* 1: a commit failed halfway; the next one sorts and prunes everything anew */

@@ -46,8 +46,7 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
     size_t n = 0, step = boxes->used / SAMPLES + 1;
     for (size_t slot = 0; slot < boxes->used && n < SAMPLES; slot += step) {
         const struct box *b = &boxes->at[slot];
-        double low = float_from_bits(float_bits_from_ordered(b->now.min[k]));
-        double high = float_from_bits(float_bits_from_ordered(b->now.max[k]));
+        double low = value_of(b->now.min[k]), high = value_of(b->now.max[k]);
         if (!(b->flags & BOX_LIVE) || !(high - low < 1e30)) continue;
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
@@ -77,11 +76,12 @@ static uint32_t finest(const struct spread s[3])
 }
 
 /* Widens or, in a crowd, narrows the cells until they hold a few boxes each. */
-static void choose_cells(struct spread s[3], double boxes)
+static void choose_cells(struct spread s[3], double boxes, double least_size)
 {
     for (uint32_t k = 0; k < 3; k++) {
-        double least = s[k].extent / 65536;
-        s[k].exponent = exponent_for(2 * s[k].size > least ? 2 * s[k].size : least);
+        double width = 2 * s[k].size;
+        if (width < s[k].extent / 65536) width = s[k].extent / 65536;
+        s[k].exponent = exponent_for(width > least_size ? width : least_size);
     }
     while (cells_on_all(s) > 1 && cells_on_all(s) * BOXES_A_CELL > boxes) s[finest(s)].exponent++;
     for (int round = 0; round < 3 && cells_on_all(s) * CROWDED < boxes; round++) {
@@ -119,19 +119,44 @@ static int make_levels(struct grid *g, struct memory *m, const uint32_t count[3]
     return 1;
 }
 
-/* Lays an empty grid out for the boxes. Returns 0 without memory. */
-int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes)
+/* From the boxes: powers of two. */
+static void lay_out_for_boxes(struct grid *g, const struct box_table *boxes, uint32_t count[3])
 {
     struct spread s[3];
-    uint32_t count[3];
     for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
-    choose_cells(s, (double)boxes->live);
+    choose_cells(s, (double)boxes->live, g->config->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
+        struct grid_axis axis = {0, 0, 1};
         count[k] = count_for(cells_on(&s[k]));
-        g->axis[k].scale = count[k] == 1 ? 0 : power_of_two(-s[k].exponent);
-        g->axis[k].origin = 0;
-        g->axis[k].width = 1;
+        if (count[k] > 1) axis.scale = power_of_two(-s[k].exponent);
+        g->axis[k] = axis;
     }
+}
+
+/* As configured. The bounds are cut into 2^20 units or more, a whole number of which
+ * is a cell; so the width of a cell is as asked for to one part in a million. */
+static void lay_out_as_told(struct grid *g, uint32_t count[3])
+{
+    const msap_config *c = g->config;
+    for (uint32_t k = 0; k < 3; k++) {
+        struct grid_axis axis = {0, 0, 1};
+        double min = c->grid_min[k], max = c->grid_max[k];
+        count[k] = c->grid_cells[k];
+        if (count[k] > 1) {
+            axis.scale = power_of_two(20 - exponent_for(max - min));
+            axis.origin = (int64_t)(min * axis.scale);
+            axis.width = ((int64_t)(max * axis.scale) - axis.origin) / count[k] + 1;
+        }
+        g->axis[k] = axis;
+    }
+}
+
+/* Lays an empty grid out. Returns 0 without memory. */
+int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes)
+{
+    uint32_t count[3];
+    if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(g, count);
+    else lay_out_for_boxes(g, boxes, count);
     g->laid_out_for = 0;
     if (!make_levels(g, m, count)) return 0;
     g->laid_out_for = boxes->live + 1;

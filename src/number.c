@@ -63,6 +63,24 @@ static uint32_t float_bits_outward(uint64_t bits, unsigned up)
     return (uint32_t)negative << 31 | magnitude;
 }
 
+/* The value of an encoded float, also where the host takes subnormals for 0. */
+double value_of(int32_t ordered)
+{
+    uint32_t bits = float_bits_from_ordered(ordered), magnitude = bits & 0x7fffffffu;
+    if (magnitude >= 0x800000u) return float_from_bits(bits);
+    double value = (double)magnitude * 0x1p-149;
+    return bits >> 31 ? -value : value;
+}
+
+/* The nearest encoded float at or below (up = 0) or at or above (up = 1) a value, which
+ * is no NaN. */
+int32_t ordered_outward(double value, unsigned up)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return ordered_from_float_bits(float_bits_outward(bits, up));
+}
+
 /* ------------------------------------------------------------------- bounds */
 
 enum { ORDERED_INF = FLOAT_INF, ORDERED_MINUS_INF = -FLOAT_INF - 1 };
@@ -192,4 +210,21 @@ msap_status boxes_check(const msap_boxes *boxes, size_t k)
     if (boxes->scalar != MSAP_FLOAT && boxes->scalar != MSAP_DOUBLE) return MSAP_ERROR_CONFIG;
     if (k > 0 && (!boxes->min || !boxes->max)) return MSAP_ERROR_NULL;
     return MSAP_OK;
+}
+
+/* Bounds at least `margin` wider on each side. The sum is right to the last bit of a double, in whatever direction that is
+ * rounded, and then goes one float outward: it never falls short. */
+struct bounds bounds_widened(const struct bounds *b, float margin)
+{
+    struct bounds wide = *b;
+    uint32_t margin_bits;
+    memcpy(&margin_bits, &margin, sizeof margin_bits);
+    double by = value_of(ordered_from_float_bits(margin_bits));
+    for (int k = 0; k < 3 && margin_bits != 0; k++) {
+        wide.min[k] = ordered_outward(value_of(b->min[k]) - by, 0);
+        wide.max[k] = ordered_outward(value_of(b->max[k]) + by, 1);
+        wide.min[k] -= wide.min[k] > ORDERED_MINUS_INF;
+        wide.max[k] += wide.max[k] < ORDERED_INF;
+    }
+    return wide;
 }

@@ -125,8 +125,8 @@ msap_status msap_stats(const msap_world *world, msap_world_stats *stats)
     stats->bytes_peak = world->memory.peak;
     stats->allocations = world->memory.calls;
     stats->commits = world->commits;
-    stats->crossings = world->settler.crossings;
-    stats->touched = world->settler.touched;
+    stats->crossings = world->crew.worker[0].settler.crossings;
+    stats->touched = world->crew.worker[0].settler.touched;
     stats->slides = world->strategy_used[MSAP_STRATEGY_SLIDE];
     stats->merges = world->strategy_used[MSAP_STRATEGY_MERGE];
     stats->sweeps = world->strategy_used[MSAP_STRATEGY_SWEEP];

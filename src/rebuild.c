@@ -13,52 +13,68 @@
  *    lies in both ranges and is visited once.
  * 4. Boxes of different levels are found by asking for each box the coarser levels.
  *
- * A pair that is found becomes two entries of neighbour lists. While boxes jump so
+ * Skins are fitted, cells swept and coarser levels asked by all workers (II.3d). A
+ * pair that is found becomes two entries of neighbour lists. While boxes jump so
  * much that every commit rebuilds, no list would ever be used: then there are none,
  * and pairs that are found are touched at once. */
 #include "internal.h"
 
 struct rebuild {
     struct grid *grid;
-    const struct job *job;
+    struct job *job;
     struct range *range; /* [slots] of each live box, on its level */
 };
 
-/* ---------------------------------------------------------- steps 1 and 2 */
-
-static void fit_skin(struct place *p, const struct box *b, uint32_t slot, uint32_t commit)
+static int is_live(const struct rebuild *r, size_t slot) { return (r->job->boxes->at[slot].flags & BOX_LIVE) != 0; }
+static uint32_t is_static(const struct rebuild *r, size_t slot)
 {
-    if (p->horizon == NO_HORIZON) skin_first(p, b, commit);
-    else if (!contains(&p->fat, &b->now)) skin_renew(p, b, slot, commit, 0);
+    return (r->job->boxes->at[slot].flags & BOX_STATIC) != 0;
 }
 
-static void count_cells(struct rebuild *r)
+/* ---------------------------------------------------------- steps 1 and 2 */
+
+/* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. */
+static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
+    struct rebuild *r = context;
     struct grid *g = r->grid;
-    const struct box_table *t = r->job->boxes;
-    for (uint32_t slot = 0; slot < t->used; slot++) {
+    (void)w;
+    for (size_t slot = first; slot < last; slot++) {
         struct place *p = &g->place[slot];
-        if (!(t->at[slot].flags & BOX_LIVE)) continue;
-        fit_skin(p, &t->at[slot], slot, g->commit);
+        const struct box *b = &r->job->boxes->at[slot];
+        if (!is_live(r, slot)) continue;
+        if (p->horizon == NO_HORIZON) skin_first(p, b, g);
+        else if (!contains(&p->fat, &b->now)) skin_renew(p, b, g, (uint32_t)slot, 0);
         struct range base = grid_range(g, &p->fat);
         p->level = (uint8_t)grid_level_for(base);
         r->range[slot] = grid_range_on(g, base, p->level);
-        g->level[p->level].boxes++;
-        struct cell_walk w = cell_walk(&g->level[p->level], r->range[slot]);
+    }
+}
+
+/* Counts the boxes of each cell. */
+static void count(struct rebuild *r)
+{
+    struct grid *g = r->grid;
+    for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
+        if (!is_live(r, slot)) continue;
+        struct level *l = &g->level[g->place[slot].level];
+        struct cell_walk w = cell_walk(l, r->range[slot]);
+        l->boxes++;
         for (struct cell *c; (c = cell_next(&w)) != NULL;) {
             c->n++;
-            c->n_moving += !(t->at[slot].flags & BOX_STATIC);
+            c->n_moving += !is_static(r, slot);
         }
     }
 }
 
-/* Turns the counts into empty cells with room. */
+/* Turns the counts into cells with room: n_moving is where the next box that moves
+ * is put, n where the next static one. Returns 0 without memory. */
 static int make_cells(struct grid *g, struct memory *m)
 {
     for (size_t i = 0; i < g->n_cells; i++) {
         struct cell *c = &g->cell[i];
         if (c->n > 0 && !cell_make_room(c, &g->pool, m, c->n)) return 0;
-        c->n = c->n_moving; /* statics are filled in from here on */
+        c->n = c->n_moving;
         c->n_moving = 0;
     }
     return 1;
@@ -66,25 +82,21 @@ static int make_cells(struct grid *g, struct memory *m)
 
 static void fill_cells(struct rebuild *r)
 {
-    const struct box_table *t = r->job->boxes;
-    for (uint32_t slot = 0; slot < t->used; slot++) {
+    for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct place *p = &r->grid->place[slot];
-        if (!(t->at[slot].flags & BOX_LIVE)) continue;
+        if (!is_live(r, slot)) continue;
         struct cell_walk w = cell_walk(&r->grid->level[p->level], r->range[slot]);
         for (struct cell *c; (c = cell_next(&w)) != NULL;)
-            cell_put_row(c, t->at[slot].flags & BOX_STATIC ? c->n++ : c->n_moving++, &p->fat, slot);
+            cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
     }
 }
 
 /* ---------------------------------------------------------- steps 3 and 4 */
 
-/* Returns 0 without memory. */
-static int found_pair(struct rebuild *r, uint32_t a, uint32_t b)
+static void found_pair(const struct rebuild *r, struct worker *w, uint32_t a, uint32_t b)
 {
-    struct grid *g = r->grid;
-    if (g->has_lists) return near_add(&g->near, r->job->memory, a, b) && near_add(&g->near, r->job->memory, b, a);
-    settle(r->job->settler, a, b);
-    return 1;
+    if (r->grid->has_lists) worker_put(w, (uint64_t)a << 32 | b);
+    else settle(&w->settler, a, b);
 }
 
 /* Whether a cell is the one in which two boxes of its level are taken. */
@@ -97,28 +109,42 @@ static int is_meeting_cell(const struct rebuild *r, const struct level *l, const
     return cell_at(l, corner) == c;
 }
 
-static int sweep_cell(struct rebuild *r, const struct level *l, const struct cell *c)
+static void sweep_cell(const struct rebuild *r, struct worker *w, const struct level *l, const struct cell *c)
 {
-    struct grid *g = r->grid;
     for (uint32_t row = 0; row < c->n_moving; row++) {
         struct bounds b;
         uint32_t slot = cell_row(c, row, &b);
-        size_t n = g->sweep(c, row + 1, c->n, &b, g->found);
+        size_t n = r->grid->sweep(c, row + 1, c->n, &b, w->found);
         for (size_t i = 0; i < n; i++)
-            if (is_meeting_cell(r, l, c, slot, g->found[i]) && !found_pair(r, slot, g->found[i])) return 0;
+            if (is_meeting_cell(r, l, c, slot, w->found[i])) found_pair(r, w, slot, w->found[i]);
     }
-    return 1;
 }
 
-static int sweep_cells(struct rebuild *r)
+/* Sweeps cells first ... last - 1 of all levels. */
+static void sweep_cells(void *context, struct worker *w, size_t first, size_t last)
 {
-    for (uint32_t level = 0; level < LEVELS; level++) {
-        const struct level *l = &r->grid->level[level];
-        size_t cells = (size_t)l->count[0] * l->count[1] * l->count[2];
-        for (size_t i = 0; i < cells && l->boxes > 0; i++)
-            if (l->cell[i].n > 1 && !sweep_cell(r, l, &l->cell[i])) return 0;
+    const struct rebuild *r = context;
+    const struct grid *g = r->grid;
+    uint32_t level = 0;
+    for (size_t i = first; i < last; i++) {
+        while (level < TOP && &g->cell[i] >= g->level[level + 1].cell) level++;
+        if (g->cell[i].n > 1) sweep_cell(r, w, &g->level[level], &g->cell[i]);
     }
-    return 1;
+}
+
+/* Asks the coarser levels for the boxes in slots first ... last - 1. */
+static void ask_coarser(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct rebuild *r = context;
+    const struct grid *g = r->grid;
+    for (size_t slot = first; slot < last; slot++) {
+        if (!is_live(r, slot)) continue;
+        size_t from = w->pairs.n;
+        grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
+        if (g->has_lists) continue;
+        for (size_t i = from; i < w->pairs.n; i++) settle(&w->settler, (uint32_t)slot, (uint32_t)w->pairs.at[i]);
+        w->pairs.n = from;
+    }
 }
 
 /* The coarsest level that holds boxes. */
@@ -129,20 +155,29 @@ static uint32_t last_level(const struct grid *g)
     return level;
 }
 
-static int ask_coarser(struct rebuild *r)
+/* Makes the pairs that were found neighbours, each once: repeats come together. */
+static int make_lists(struct grid *g, struct job *job)
 {
-    struct grid *g = r->grid;
-    const struct box_table *t = r->job->boxes;
-    uint32_t last = last_level(g);
-    for (uint32_t slot = 0; slot < t->used; slot++) {
-        if (!(t->at[slot].flags & BOX_LIVE) || g->place[slot].level >= last) continue;
-        grid_new_token(g);
-        size_t n = grid_query(g, slot, (t->at[slot].flags & BOX_STATIC) != 0, grid_range(g, &g->place[slot].fat),
-                              g->place[slot].level + 1u);
-        for (size_t i = 0; i < n; i++)
-            if (!found_pair(r, slot, g->found[i])) return 0;
+    const struct keys *found = &job->crew->worker[0].pairs;
+    for (size_t i = 0; i < found->n; i++) {
+        uint32_t a = (uint32_t)(found->at[i] >> 32), b = (uint32_t)found->at[i];
+        if (i == 0 || a != found->at[i - 1] >> 32) grid_new_token(g);
+        if (g->tag[b] == g->token) continue;
+        g->tag[b] = g->token;
+        if (!near_add(&g->near, job->memory, a, b) || !near_add(&g->near, job->memory, b, a)) return 0;
     }
     return 1;
+}
+
+static int find_pairs(struct rebuild *r)
+{
+    struct grid *g = r->grid;
+    struct crew *crew = r->job->crew;
+    struct memory *m = r->job->memory;
+    crew->worker[0].pairs.n = 0;
+    if (!phase_run(crew, m, sweep_cells, r, g->n_cells)) return 0;
+    if (last_level(g) > 0 && !phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
+    return make_lists(g, r->job);
 }
 
 /* ---------------------------------------------------------------- the whole */
@@ -163,19 +198,19 @@ static int layout_is_old(const struct grid *g, size_t boxes)
 }
 
 /* Returns 0 without memory. */
-int grid_rebuild(struct grid *g, const struct job *job, int with_lists)
+int grid_rebuild(struct grid *g, struct job *job, int with_lists)
 {
+    struct box_table *t = job->boxes;
     struct rebuild r = {g, job, NULL};
-    forget_absent(g, job->boxes->used);
+    forget_absent(g, t->used);
     grid_empty(g, job->memory);
     g->has_lists = with_lists;
-    if (layout_is_old(g, job->boxes->live) && !grid_layout(g, job->memory, job->boxes)) return 0;
-    r.range = scratch_get(job->scratch, job->memory, job->boxes->used * sizeof *r.range / sizeof(uint64_t) + 1);
-    if (!r.range) return 0;
-    count_cells(&r);
+    g->moves = t->live;
+    if (layout_is_old(g, t->live) && !grid_layout(g, job->memory, t)) return 0;
+    r.range = scratch_get(job->scratch, job->memory, t->used * sizeof *r.range / sizeof(uint64_t) + 1);
+    if (!r.range || !phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
+    count(&r);
     if (!make_cells(g, job->memory)) return 0;
     fill_cells(&r);
-    if (!sweep_cells(&r) || !ask_coarser(&r)) return 0;
-    touch_known_pairs(job);
-    return 1;
+    return find_pairs(&r) && touch_known_pairs(job);
 }

@@ -228,7 +228,7 @@ static void slide_moving(struct sap *s, const struct job *job)
 }
 
 /* Brings the axes up to date by one of the strategies (not AUTO). */
-void sap_update(struct sap *s, const struct job *job, uint32_t strategy)
+void sap_update(struct sap *s, struct job *job, uint32_t strategy)
 {
     size_t n_tagged = 0, n_before;
     if (strategy != MSAP_STRATEGY_SWEEP) {

@@ -13,23 +13,29 @@
  * look like removals it lets only the real ones through. */
 #include "internal.h"
 
-/* The pair may stand in the list already; it is dropped only if it surely does. */
+static int has_room(const struct settler *s, struct keys *list)
+{
+    return list->n < list->room || (s->memory && keys_reserve(list, s->memory, list->n + 1));
+}
+
+/* Without memory the calling thread drops the repeats: then all known pairs fit. */
 static void put_doomed(struct settler *s, uint64_t key)
 {
     struct keys *doomed = &s->doomed;
-    if (doomed->n == doomed->room && !keys_reserve(doomed, s->memory, doomed->n + 1)) {
+    if (!has_room(s, doomed)) {
+        s->lost |= !s->memory;
+        if (!s->memory) return;
         sort_keys(doomed->at, doomed->n, NULL);
         doomed->n = unique_keys(doomed->at, doomed->n);
-        if (doomed->n == doomed->room) return; /* all known pairs are in it */
+        if (doomed->n == doomed->room) return; /* this one is among them */
     }
     doomed->at[doomed->n++] = key;
 }
 
 static void put_fresh(struct settler *s, uint64_t key)
 {
-    struct keys *fresh = &s->fresh;
-    if (fresh->n == fresh->room && !keys_reserve(fresh, s->memory, fresh->n + 1)) s->lost = 1;
-    else fresh->at[fresh->n++] = key;
+    if (has_room(s, &s->fresh)) s->fresh.at[s->fresh.n++] = key;
+    else s->lost = 1;
 }
 
 /* A pair that overlaps now and did not before, or the other way round. */
@@ -39,12 +45,18 @@ void settle_change(struct settler *s, uint64_t key, int is)
     else put_doomed(s, key);
 }
 
-/* Touches the known pairs of changed boxes. */
-void touch_known_pairs(const struct job *job)
+static void touch_known(void *context, struct worker *w, size_t first, size_t last)
 {
+    const struct job *job = context;
     const struct box *boxes = job->boxes->at;
-    for (size_t i = 0; i < job->pairs->active; i++) {
+    for (size_t i = first; i < last; i++) {
         uint32_t a = slot_of(job->pairs->at[i].a), b = slot_of(job->pairs->at[i].b);
-        if ((boxes[a].flags | boxes[b].flags) & BOX_CHANGED) settle(job->settler, a, b);
+        if ((boxes[a].flags | boxes[b].flags) & BOX_CHANGED) settle(&w->settler, a, b);
     }
+}
+
+/* Touches the known pairs of changed boxes. Returns 0 without memory. */
+int touch_known_pairs(struct job *job)
+{
+    return phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
 }

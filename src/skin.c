@@ -35,13 +35,6 @@ static void learn(struct place *p, uint32_t age, uint32_t vain)
     p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
 }
 
-static double value_of(int32_t ordered) { return float_from_bits(float_bits_from_ordered(ordered)); }
-
-static int32_t ordered_of(double value)
-{
-    return (int32_t)(msap_encode_float((float)value) ^ 0x80000000u);
-}
-
 static double magnitude(double x) { return x < 0 ? -x : x; }
 
 /* How the box moved in this commit. */
@@ -74,33 +67,42 @@ static double spread(uint32_t slot, uint32_t commit)
     return 0.5 + (double)(mixed >> 24) / 512;
 }
 
-/* Gives a box that has left its skin in this commit a new one. */
-void skin_renew(struct place *p, const struct box *b, uint32_t slot, uint32_t commit, uint32_t vain)
+/* Widens the fat bounds on one axis for so many commits. */
+static void reach_out(struct place *p, const struct motion *m, uint32_t k, double horizon)
 {
+    double down = magnitude(m->down[k]), up = magnitude(m->up[k]);
+    double aside = (down > up ? down : up) * horizon * p->wobble / 8;
+    int32_t min = ordered_outward(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, 0);
+    int32_t max = ordered_outward(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, 1);
+    if (min < p->fat.min[k]) p->fat.min[k] = min;
+    if (max > p->fat.max[k]) p->fat.max[k] = max;
+}
+
+/* Gives a box that has left its skin in this commit a new one. */
+void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
+{
+    if (g->config->margin >= 0) {
+        p->fat = bounds_widened(&b->now, g->config->margin);
+        return;
+    }
     struct motion m = motion_of(b);
-    learn(p, commit - p->since, vain);
-    p->since = commit;
+    learn(p, g->commit - p->since, vain);
+    p->since = g->commit;
     p->fat = b->now;
     double horizon = p->horizon;
     if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
     if (!(horizon >= HORIZON_LEAST && m.size < 1e30)) return; /* nor if an infinity made a NaN */
     p->horizon = (uint8_t)horizon;
-    horizon *= spread(slot, commit);
-    for (uint32_t k = 0; k < 3; k++) {
-        double step = magnitude(m.down[k]) > magnitude(m.up[k]) ? magnitude(m.down[k]) : magnitude(m.up[k]);
-        double aside = step * horizon * p->wobble / 8;
-        int32_t min = ordered_of(m.low[k] + (m.down[k] < 0 ? m.down[k] * horizon : 0) - aside);
-        int32_t max = ordered_of(m.high[k] + (m.up[k] > 0 ? m.up[k] * horizon : 0) + aside);
-        if (min < p->fat.min[k]) p->fat.min[k] = min;
-        if (max > p->fat.max[k]) p->fat.max[k] = max;
-    }
+    horizon *= spread(slot, g->commit);
+    for (uint32_t k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
 }
 
-/* A box that comes into the grid has no past, hence no skin. */
-void skin_first(struct place *p, const struct box *b, uint32_t commit)
+/* A box that comes into the grid has no past, hence no skin but a margin that is given;
+ * its first own skin is as good as its last was old. */
+void skin_first(struct place *p, const struct box *b, const struct grid *g)
 {
     p->horizon = HORIZON_FIRST;
     p->wobble = 1;
-    p->since = commit - HORIZON_MOST;
-    p->fat = b->now;
+    p->since = g->commit - HORIZON_MOST;
+    p->fat = g->config->margin > 0 ? bounds_widened(&b->now, g->config->margin) : b->now;
 }

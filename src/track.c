@@ -6,96 +6,24 @@
  *
  * 1. Removed boxes leave their cells; their neighbours are touched.
  * 2. New boxes, and boxes that have left their skin, are put into the cells of their
- *    new fat bounds and get a new neighbour list; neighbours lost are touched.
- * 3. Every changed box touches all its neighbours.
+ *    new fat bounds.
+ * 3. They ask their cells what their neighbours are now.
+ * 4. Their lists are changed accordingly; neighbours lost are touched.
+ * 5. Every changed box touches all its neighbours.
  *
- * A pair that overlaps now are neighbours after step 2, and are touched in step 3
+ * A pair that overlaps now are neighbours after step 4, and are touched in step 5
  * if one of them changed. A pair that overlapped before were neighbours before, and
  * either still are or are touched when they part. So no pair is missed, wherever
  * the cells and however wide the skins are; a pair seen in several cells is one
  * pair, since a list holds it once (II.3b).
  *
- * If most boxes would have to be put elsewhere, all cells and lists are made anew
- * instead, with a layout that suits the boxes of now; known pairs are touched then,
- * since the old lists are gone. */
+ * Steps 3 and 5, which are the most work, run on all workers. If most boxes would
+ * have to be put elsewhere, all cells and lists are made anew instead (rebuild.c). */
 #include "internal.h"
-
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
-/* ----------------------------------------------------------- box after box */
-
-/* A box leaves the grid. */
-static void leave(struct grid *g, const struct job *job, uint32_t slot)
-{
-    struct near_list *l = &g->near.of[slot];
-    grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]), grid_range(g, &g->place[slot].fat));
-    for (uint32_t i = 0; i < l->n; i++) {
-        settle(job->settler, slot, l->at[i]);
-        near_remove(&g->near, l->at[i], slot);
-    }
-    near_drop(&g->near, job->memory, slot);
-}
-
-/* Drops from the list of a box what its last query did not find. */
-static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
-{
-    struct near_list *l = &g->near.of[slot];
-    for (uint32_t i = 0; i < l->n;) {
-        uint32_t other = l->at[i];
-        if (g->tag[other] == g->token) {
-            g->tag[other] = g->token + 1; /* found, and known */
-            i++;
-            continue;
-        }
-        settle(job->settler, slot, other);
-        near_remove(&g->near, other, slot);
-        near_take_out(l, i);
-    }
-}
-
-/* Makes the list of a box what its fat bounds say. Returns 0 without memory. */
-static int renew_list(struct grid *g, const struct job *job, uint32_t slot, struct range base)
-{
-    grid_new_token(g);
-    size_t n = grid_query(g, slot, is_static(&job->boxes->at[slot]), base, 0);
-    part_from_old(g, job, slot);
-    for (size_t i = 0; i < n; i++) {
-        uint32_t other = g->found[i];
-        if (g->tag[other] != g->token) continue;
-        if (!near_add(&g->near, job->memory, slot, other)) return 0;
-        if (!near_add(&g->near, job->memory, other, slot)) return 0;
-    }
-    return 1;
-}
-
-static uint32_t count_vain(const struct grid *g, const struct box *boxes, uint32_t slot)
-{
-    const struct near_list *l = &g->near.of[slot];
-    uint32_t vain = 0;
-    for (uint32_t i = 0; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
-    return vain;
-}
-
-/* A box enters the grid, or moves in it because it has left its skin. */
-static int relocate(struct grid *g, const struct job *job, uint32_t slot)
-{
-    struct place *p = &g->place[slot];
-    const struct box *b = &job->boxes->at[slot];
-    struct range base, old = grid_range(g, &p->fat);
-    int done;
-    if (p->level == NO_LEVEL) {
-        skin_first(p, b, g->commit);
-        base = grid_range(g, &p->fat);
-        p->level = (uint8_t)grid_level_for(base);
-        done = grid_put(g, job->memory, slot, is_static(b), base);
-    } else {
-        skin_renew(p, b, slot, g->commit, count_vain(g, job->boxes->at, slot));
-        base = grid_range(g, &p->fat);
-        done = grid_move(g, job->memory, slot, is_static(b), old, base);
-    }
-    return done && renew_list(g, job, slot, base);
-}
+/* ---------------------------------------------------------- steps 1 and 2 */
 
 static int is_misplaced(const struct grid *g, const struct box_table *t, uint32_t slot)
 {
@@ -117,40 +45,176 @@ static size_t misplaced_first(const struct grid *g, const struct box_table *t)
     return n;
 }
 
-/* Steps 1 and 2, for the first n changed boxes. */
-static int place_misplaced(struct grid *g, const struct job *job, size_t n)
+/* Orders the first n changed boxes by the cell that they were last in, so that what
+ * is near in space is near in time. Without memory they stay as they are. */
+static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
+{
+    uint32_t *changed = job->boxes->changed;
+    uint64_t *key = scratch_get(job->scratch, job->memory, 2 * n);
+    if (!key) return;
+    for (size_t i = 0; i < n; i++) {
+        struct range base = grid_range(g, &g->place[changed[i]].fat);
+        key[i] = (uint64_t)(cell_at(&g->level[0], base.low) - g->cell) << 32 | changed[i];
+    }
+    sort_keys(key, n, key + n);
+    for (size_t i = 0; i < n; i++) changed[i] = (uint32_t)key[i];
+}
+
+/* A box leaves the grid. */
+static void leave(struct grid *g, const struct job *job, uint32_t slot)
+{
+    struct near_list *l = &g->near.of[slot];
+    grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]), grid_range(g, &g->place[slot].fat));
+    for (uint32_t i = 0; i < l->n; i++) {
+        settle(job->settler, slot, l->at[i]);
+        near_remove(&g->near, l->at[i], slot);
+    }
+    near_drop(&g->near, job->memory, slot);
+}
+
+static uint32_t count_vain(const struct grid *g, const struct box *boxes, uint32_t slot)
+{
+    const struct near_list *l = &g->near.of[slot];
+    uint32_t vain = 0;
+    for (uint32_t i = 0; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
+    return vain;
+}
+
+/* A box enters the grid, or gets a new skin and moves in it. Returns 0 without memory. */
+static int relocate(struct grid *g, const struct job *job, uint32_t slot)
+{
+    struct place *p = &g->place[slot];
+    const struct box *b = &job->boxes->at[slot];
+    if (p->level == NO_LEVEL) {
+        skin_first(p, b, g);
+        struct range base = grid_range(g, &p->fat);
+        p->level = (uint8_t)grid_level_for(base);
+        return grid_put(g, job->memory, slot, is_static(b), base);
+    }
+    struct range old = grid_range(g, &p->fat);
+    skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
+    return grid_move(g, job->memory, slot, is_static(b), old, grid_range(g, &p->fat));
+}
+
+/* For the first n changed boxes; *gone of them, which are put first, have left. */
+static int place_misplaced(struct grid *g, const struct job *job, size_t n, size_t *gone)
 {
     const struct box_table *t = job->boxes;
-    for (size_t i = 0; i < n; i++)
-        if (!(t->at[t->changed[i]].flags & BOX_LIVE)) leave(g, job, t->changed[i]);
-    for (size_t i = 0; i < n; i++)
-        if ((t->at[t->changed[i]].flags & BOX_LIVE) && !relocate(g, job, t->changed[i])) return 0;
+    *gone = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t slot = t->changed[i];
+        if (t->at[slot].flags & BOX_LIVE) continue;
+        leave(g, job, slot);
+        t->changed[i] = t->changed[*gone];
+        t->changed[(*gone)++] = slot;
+    }
+    for (size_t i = *gone; i < n; i++)
+        if (!relocate(g, job, t->changed[i])) return 0;
     return 1;
 }
 
-/* --------------------------------------------------------------- step 3 */
+/* ---------------------------------------------------------- steps 3 and 4 */
+
+/* A part of the commit over a list of slots. */
+struct tracking {
+    struct grid *grid;
+    struct job *job;
+    const uint32_t *slot;
+};
+
+static void ask(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct tracking *t = context;
+    for (size_t i = first; i < last; i++)
+        grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0);
+}
+
+/* Drops from the list of a box what is not tagged, and tags the rest as known. */
+static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
+{
+    struct near_list *l = &g->near.of[slot];
+    for (uint32_t i = 0; i < l->n;) {
+        uint32_t other = l->at[i];
+        if (g->tag[other] == g->token) {
+            g->tag[other] = g->token + 1;
+            i++;
+            continue;
+        }
+        settle(job->settler, slot, other);
+        near_remove(&g->near, other, slot);
+        near_take_out(l, i);
+    }
+}
+
+static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
+{
+    return near_add(&g->near, job->memory, a, b) && near_add(&g->near, job->memory, b, a);
+}
+
+/* Makes the list of a box what was found for it: keys first ... last - 1. */
+static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const uint64_t *first,
+                      const uint64_t *last)
+{
+    grid_new_token(g);
+    for (const uint64_t *key = first; key < last; key++) g->tag[(uint32_t)*key] = g->token;
+    part_from_old(g, job, slot);
+    for (const uint64_t *key = first; key < last; key++) {
+        uint32_t other = (uint32_t)*key;
+        if (g->tag[other] != g->token) continue;
+        g->tag[other] = g->token + 1;
+        if (!join(g, job, slot, other)) return 0;
+    }
+    return 1;
+}
+
+static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
+{
+    struct keys *found = &job->crew->worker[0].pairs;
+    struct tracking t = {g, job, slot};
+    found->n = 0;
+    if (!phase_run(job->crew, job->memory, ask, &t, n)) return 0;
+    for (size_t i = 0, at = 0; i < n; i++) {
+        size_t end = at;
+        while (end < found->n && found->at[end] >> 32 == slot[i]) end++;
+        if (!renew_list(g, job, slot[i], found->at + at, found->at + end)) return 0;
+        at = end;
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------ step 5 */
 
 /* Every pair once, from the lower box. */
-static void touch_all(const struct grid *g, const struct job *job)
+static void touch_all(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct box *boxes = job->boxes->at;
-    for (uint32_t slot = 0; slot < job->boxes->used; slot++) {
-        const struct near_list *l = &g->near.of[slot];
+    const struct tracking *t = context;
+    const struct box *boxes = t->job->boxes->at;
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
+        const struct near_list *l = &t->grid->near.of[slot];
         for (uint32_t i = 0; i < l->n_above; i++)
-            if ((boxes[slot].flags | boxes[l->at[i]].flags) & BOX_CHANGED) settle(job->settler, slot, l->at[i]);
+            if ((boxes[slot].flags | boxes[l->at[i]].flags) & BOX_CHANGED) settle(&w->settler, slot, l->at[i]);
     }
 }
 
 /* Every pair of a changed box; of two changed boxes from the lower one. */
-static void touch_changed(const struct grid *g, const struct job *job)
+static void touch_changed(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct tracking *t = context;
+    const struct box *boxes = t->job->boxes->at;
+    for (size_t c = first; c < last; c++) {
+        uint32_t slot = t->slot[c];
+        const struct near_list *l = &t->grid->near.of[slot];
+        for (uint32_t i = 0; i < l->n; i++)
+            if (i < l->n_above || !(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
+    }
+}
+
+static int touch_neighbours(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
-    for (size_t c = 0; c < t->n_changed; c++) {
-        uint32_t slot = t->changed[c];
-        const struct near_list *l = &g->near.of[slot];
-        for (uint32_t i = 0; i < l->n; i++)
-            if (i < l->n_above || !(t->at[l->at[i]].flags & BOX_CHANGED)) settle(job->settler, slot, l->at[i]);
-    }
+    struct tracking all = {g, job, t->changed};
+    if (t->n_changed * 2 > t->live) return phase_run(job->crew, job->memory, touch_all, &all, t->used);
+    return phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
 }
 
 /* ---------------------------------------------------------------- choosing */
@@ -162,20 +226,30 @@ static int is_upheaval(const struct grid *g, const struct box_table *t, size_t m
     return strategy == MSAP_STRATEGY_AUTO && misplaced > 64 && misplaced * 2 > t->live;
 }
 
+static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
+{
+    size_t gone;
+    if (by_cell) order_by_cell(g, job, misplaced);
+    if (!place_misplaced(g, job, misplaced, &gone)) return 0;
+    g->moves = misplaced;
+    return renew_lists(g, job, job->boxes->changed + gone, misplaced - gone) && touch_neighbours(g, job);
+}
+
 /* Returns the strategy that was taken, or 0 without memory: then the grid must be
  * rebuilt. */
-uint32_t grid_update(struct grid *g, const struct job *job, uint32_t strategy)
+uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
+    enum { WORTH_ORDERING = 2048 };
     size_t misplaced = misplaced_first(g, job->boxes);
     int upheaval = is_upheaval(g, job->boxes, misplaced, strategy), again = g->upheaval;
     g->commit++;
     g->upheaval = upheaval;
     if (upheaval || !g->has_lists) {
         if (!grid_rebuild(g, job, !(upheaval && again))) return 0;
-    } else if (!place_misplaced(g, job, misplaced))
-        return 0;
-    if (!g->has_lists) return MSAP_STRATEGY_SWEEP;
-    if (job->boxes->n_changed * 2 > job->boxes->live) touch_all(g, job);
-    else touch_changed(g, job);
-    return upheaval ? MSAP_STRATEGY_SWEEP : MSAP_STRATEGY_SLIDE;
+        if (g->has_lists && !touch_neighbours(g, job)) return 0;
+        return MSAP_STRATEGY_SWEEP;
+    }
+    if (strategy == MSAP_STRATEGY_AUTO)
+        strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
+    return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }

@@ -65,6 +65,7 @@ msap_status msap_create(const msap_config *config, msap_world **world)
     w->memory = memory;
     w->config = *config;
     w->error_bound = MSAP_NO_BOUND;
+    crew_init(&w->crew, config);
     boxes_init(&w->boxes);
     sap_init(&w->sap, config->dims);
     grid_init(&w->grid, &w->config);
@@ -81,8 +82,7 @@ msap_status msap_destroy(msap_world *world)
     grid_free(&world->grid, &m);
     boxes_free(&world->boxes, &m);
     pairs_free(&world->pairs, &m);
-    keys_free(&world->settler.fresh, &m);
-    keys_free(&world->settler.doomed, &m);
+    crew_free(&world->crew, &m);
     memory_free(&m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
     memory_free(&m, world, 1, sizeof *world);
     return MSAP_OK;
@@ -93,9 +93,9 @@ msap_status msap_trim(msap_world *world)
     if (!world) return MSAP_ERROR_NULL;
     if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     struct memory *m = &world->memory;
-    struct keys *doomed = &world->settler.doomed;
+    struct keys *doomed = &world->crew.worker[0].settler.doomed;
     pairs_trim(&world->pairs, m);
-    keys_free(&world->settler.fresh, m);
+    keys_free(&world->crew.worker[0].settler.fresh, m);
     memory_free(m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
     memset(&world->scratch, 0, sizeof world->scratch);
     if (world->pairs.active < doomed->room)

@@ -1,0 +1,145 @@
+/* Phases: work over a range of items that may be cut into tasks and run on the
+ * host's threads (paper II.3d).
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * A phase reads what no task of it writes, and writes only what belongs to its own
+ * items and the buffers of its worker. Each worker takes a contiguous part of the
+ * items, so that the buffers one after another hold what one worker alone would
+ * have written: the merge is a concatenation, and the same at any number of workers.
+ *
+ * Workers do not allocate. One whose buffers overflow notes it and goes on; the
+ * calling thread then enlarges them and does the part again. On one worker, which
+ * is the calling thread, the buffers simply grow. */
+#include "internal.h"
+
+enum { ITEMS_WORTH_A_TASK = 512 };
+
+void crew_init(struct crew *crew, const msap_config *config)
+{
+    memset(crew, 0, sizeof *crew);
+    crew->size = config->workers;
+    crew->enqueue = config->enqueue;
+    crew->finish = config->finish;
+    crew->jobs_user = config->jobs_user;
+}
+
+static uint32_t count_of(const struct crew *crew) { return crew->size > 1 ? crew->size + 1 : 1; }
+
+/* Room for what a sweep can find among so many slots. */
+int crew_reserve(struct crew *crew, struct memory *m, size_t slots)
+{
+    for (uint32_t i = 0; i < count_of(crew); i++) {
+        struct worker *w = &crew->worker[i];
+        if (!memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found)) return 0;
+    }
+    return 1;
+}
+
+void crew_free(struct crew *crew, struct memory *m)
+{
+    for (uint32_t i = 0; i < count_of(crew); i++) {
+        struct worker *w = &crew->worker[i];
+        keys_free(&w->settler.fresh, m);
+        keys_free(&w->settler.doomed, m);
+        keys_free(&w->pairs, m);
+        memory_free(m, w->found, w->room_found, sizeof *w->found);
+    }
+}
+
+struct task {
+    phase_fn run;
+    void *context;
+    struct worker *worker;
+    size_t first, last;
+};
+
+static void run_task(void *pointer)
+{
+    struct task *t = pointer;
+    t->run(t->context, t->worker, t->first, t->last);
+}
+
+static void forget(struct worker *w)
+{
+    w->settler.fresh.n = w->settler.doomed.n = w->pairs.n = 0;
+    w->settler.touched = 0;
+    w->settler.lost = 0;
+}
+
+/* Enlarges the buffers of a worker that overflowed. Returns 0 without memory. */
+static int enlarge(struct worker *w, struct memory *m)
+{
+    struct keys *buffers[3] = {&w->settler.fresh, &w->settler.doomed, &w->pairs};
+    for (int i = 0; i < 3; i++)
+        if (buffers[i]->n == buffers[i]->room && !keys_reserve(buffers[i], m, 2 * buffers[i]->room + 256)) return 0;
+    return 1;
+}
+
+/* Appends what a worker found to what the calling thread has. */
+static int append(struct keys *to, const struct keys *from, struct memory *m)
+{
+    if (from->n == 0) return 1;
+    if (!keys_reserve(to, m, to->n + from->n)) return 0;
+    memcpy(to->at + to->n, from->at, from->n * sizeof *to->at);
+    to->n += from->n;
+    return 1;
+}
+
+static int merge(struct worker *to, const struct worker *from, struct memory *m)
+{
+    to->settler.touched += from->settler.touched;
+    return append(&to->settler.fresh, &from->settler.fresh, m) &&
+           append(&to->settler.doomed, &from->settler.doomed, m) && append(&to->pairs, &from->pairs, m);
+}
+
+/* Does a part again until its buffers suffice. */
+static int complete(struct task *t, struct memory *m)
+{
+    while (t->worker->settler.lost) {
+        if (!enlarge(t->worker, m)) return 0;
+        forget(t->worker);
+        run_task(t);
+    }
+    return 1;
+}
+
+static int run_in_tasks(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t tasks)
+{
+    struct task task[MOST_WORKERS];
+    void *ticket[MOST_WORKERS];
+    int done = 1;
+    for (size_t i = 0; i < tasks; i++) {
+        struct task t = {run, context, &crew->worker[i + 1], n * i / tasks, n * (i + 1) / tasks};
+        task[i] = t;
+        forget(t.worker);
+        t.worker->settler.boxes = crew->worker[0].settler.boxes;
+    }
+    for (size_t i = 1; i < tasks; i++) ticket[i] = crew->enqueue(crew->jobs_user, run_task, &task[i]);
+    run_task(&task[0]);
+    for (size_t i = 1; i < tasks; i++)
+        if (ticket[i]) crew->finish(crew->jobs_user, ticket[i]);
+    for (size_t i = 0; i < tasks; i++)
+        done = done && complete(&task[i], m) && merge(&crew->worker[0], task[i].worker, m);
+    return done;
+}
+
+/* Runs a phase over n items; its output is appended to that of worker 0. Returns 0
+ * without memory. */
+int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n)
+{
+    size_t tasks = n / ITEMS_WORTH_A_TASK + 1;
+    if (tasks > crew->size) tasks = crew->size;
+    if (tasks > 1) return run_in_tasks(crew, m, run, context, n, tasks);
+    run(context, &crew->worker[0], 0, n);
+    return !crew->worker[0].settler.lost;
+}
+
+/* Appends a pair to the worker's buffer. */
+void worker_put(struct worker *w, uint64_t key)
+{
+    if (w->pairs.n < w->pairs.room || (w->settler.memory && keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
+        w->pairs.at[w->pairs.n++] = key;
+    else w->settler.lost = 1;
+}
