@@ -132,7 +132,9 @@ MSAP_API const char *msap_status_text(msap_status status);
 /* A box of a world. High 32 bits: the index of its slot; low 32 bits: the
  * generation of the slot, from 1. 0 is no box. A removed box's slot is not given
  * out again before the commit that reports the removal, then in the order of
- * freeing. A slot whose generation would wrap is retired. */
+ * freeing. A slot whose generation would wrap is retired. When memory is given back
+ * (msap_trim), free slots at the end of the table are forgotten; slots that take
+ * their place later begin with a generation that none of them had. */
 typedef uint64_t msap_handle;
 
 #define MSAP_NULL_HANDLE ((msap_handle)0)

@@ -14,20 +14,26 @@
 #include "internal.h"
 
 
+static void put_sentinels(struct axis *x, size_t stored)
+{
+    x->key[0] = 0;
+    x->key[2 * stored + 1] = UINT64_MAX;
+}
+
 /* Room for the end points of boxes in slots below `slots`. */
 int axis_reserve(struct axis *x, struct memory *m, size_t slots)
 {
     if (slots > SIZE_MAX / 2 - 1) return 0;
-    return memory_reserve(m, &x->key, &x->room_key, 2 * slots + 2, x->room_key, sizeof *x->key) &&
-           memory_reserve(m, &x->rank, &x->room_rank, 2 * slots, x->room_rank, sizeof *x->rank);
+    int is_first = x->room_key == 0;
+    if (!memory_reserve(m, &x->key, &x->room_key, 2 * slots + 2, x->room_key, sizeof *x->key)) return 0;
+    if (is_first) put_sentinels(x, 0);
+    return memory_reserve(m, &x->rank, &x->room_rank, 2 * slots, x->room_rank, sizeof *x->rank);
 }
 
 void axis_trim(struct axis *x, struct memory *m, size_t slots)
 {
-    if (2 * slots + 2 < x->room_key)
-        memory_resize(m, &x->key, &x->room_key, 2 * slots + 2, 2 * slots + 2, sizeof *x->key);
-    if (2 * slots < x->room_rank)
-        memory_resize(m, &x->rank, &x->room_rank, 2 * slots, 2 * slots, sizeof *x->rank);
+    memory_shrink(m, &x->key, &x->room_key, 2 * slots + 2, sizeof *x->key);
+    memory_shrink(m, &x->rank, &x->room_rank, 2 * slots, sizeof *x->rank);
 }
 
 void axis_free(struct axis *x, struct memory *m)
@@ -41,12 +47,6 @@ static void put(struct axis *x, size_t at, uint64_t key)
 {
     x->key[at] = key;
     x->rank[key_end(key)] = (uint32_t)at;
-}
-
-static void put_sentinels(struct axis *x, size_t stored)
-{
-    x->key[0] = 0;
-    x->key[2 * stored + 1] = UINT64_MAX;
 }
 
 /* Batch deletion: of the end points of `stored` boxes, drops those of boxes without

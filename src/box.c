@@ -29,6 +29,7 @@ void boxes_init(struct box_table *t)
     struct box_table empty = {0};
     empty.removed.head = empty.removed.tail = NONE;
     empty.free = empty.removed;
+    empty.first_generation = 1;
     *t = empty;
 }
 
@@ -46,14 +47,31 @@ int boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
            memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
 }
 
-/* Gives the room back that no slot uses. */
+static int is_free(const struct box *b) { return b->flags == 0 && b->generation != 0; }
+
+/* Forgets the free slots at the end of the table. A slot that is later given out in
+ * place of one has a generation that no handle of it had. */
+static void forget_slots(struct box_table *t)
+{
+    struct slot_queue kept = {NONE, NONE};
+    while (t->used > 0 && is_free(&t->at[t->used - 1])) {
+        uint32_t generation = t->at[--t->used].generation;
+        if (generation > t->first_generation) t->first_generation = generation;
+    }
+    while (t->free.head != NONE) {
+        uint32_t slot = queue_take(t, &t->free);
+        if (slot < t->used) queue_put(t, &kept, slot);
+    }
+    t->free = kept;
+}
+
+/* Gives back what the boxes do not need. */
 void boxes_trim(struct box_table *t, struct memory *m)
 {
-    if (t->used < t->room) memory_resize(m, &t->at, &t->room, t->used, t->used, sizeof *t->at);
-    if (t->used < t->room_user_data)
-        memory_resize(m, &t->user_data, &t->room_user_data, t->used, t->used, sizeof *t->user_data);
-    if (t->used < t->room_changed)
-        memory_resize(m, &t->changed, &t->room_changed, t->used, t->n_changed, sizeof *t->changed);
+    forget_slots(t);
+    memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
+    memory_shrink(m, &t->user_data, &t->room_user_data, t->used, sizeof *t->user_data);
+    memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
 }
 
 /* How many slots the table needs to take k more boxes. */
@@ -83,7 +101,7 @@ static void mark_changed(struct box_table *t, uint32_t slot)
 static uint32_t take_slot(struct box_table *t)
 {
     if (t->free.head != NONE) return queue_take(t, &t->free);
-    t->at[t->used].generation = 1;
+    t->at[t->used].generation = t->first_generation;
     return (uint32_t)t->used++;
 }
 

@@ -7,10 +7,19 @@
  * checked first, or what it did before the first offender is undone. */
 #include "internal.h"
 
+/* Opens a call that changes the world, which msap_world.busy marks until it ends. */
 static msap_status begin(msap_world *w)
 {
     if (!w) return MSAP_ERROR_NULL;
-    return w->busy ? world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND) : MSAP_OK;
+    if (w->busy) return world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    w->busy = 1;
+    return MSAP_OK;
+}
+
+static msap_status end(msap_world *w, msap_status status)
+{
+    w->busy = 0;
+    return status;
 }
 
 /* ------------------------------------------------------------------- adding */
@@ -29,7 +38,6 @@ static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, c
 
 static msap_status reserve(msap_world *w, size_t k)
 {
-    if (k > w->config.max_boxes || w->boxes.live > w->config.max_boxes - k) return MSAP_ERROR_FULL;
     size_t slots = boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
@@ -39,26 +47,33 @@ static msap_status reserve(msap_world *w, size_t k)
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
+static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags,
+                            void *const *user_data, msap_handle *handles)
+{
+    msap_status status = boxes_check(boxes, k);
+    size_t places = w->config.max_boxes - w->boxes.live;
+    if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
+    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
+    if (k > places) return world_fail(w, MSAP_ERROR_FULL, places, MSAP_NO_BOUND);
+    status = check_new(w, k, boxes, flags);
+    if (status != MSAP_OK) return status;
+    status = reserve(w, k);
+    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
+    for (size_t i = 0; i < k; i++) {
+        struct bounds bounds;
+        uint32_t bound;
+        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        uint32_t slot = box_add(&w->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
+        handles[i] = handle_of(&w->boxes, slot);
+    }
+    return MSAP_OK;
+}
+
 msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, const uint32_t *flags,
                           void *const *user_data, msap_handle *handles)
 {
     msap_status status = begin(world);
-    if (status != MSAP_OK) return status;
-    status = boxes_check(boxes, k);
-    if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
-    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
-    status = check_new(world, k, boxes, flags);
-    if (status != MSAP_OK) return status;
-    status = reserve(world, k);
-    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
-    for (size_t i = 0; i < k; i++) {
-        struct bounds bounds;
-        uint32_t bound;
-        bounds_read(boxes, i, world->config.dims, &bounds, &bound);
-        uint32_t slot = box_add(&world->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
-        handles[i] = handle_of(&world->boxes, slot);
-    }
-    return MSAP_OK;
+    return status == MSAP_OK ? end(world, add_many(world, k, boxes, flags, user_data, handles)) : status;
 }
 
 msap_status msap_add(msap_world *world, const float *min, const float *max, uint32_t flags, void *user_data,
@@ -104,22 +119,26 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
 
 /* Once all are known to be legal, those that had been changed before are done in a
  * second pass; the last update of a box is the last in either. */
-msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles, const msap_boxes *boxes)
+static msap_status update_many(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes)
 {
     size_t others = 0;
-    msap_status status = begin(world);
-    if (status != MSAP_OK) return status;
-    status = boxes_check(boxes, k);
+    msap_status status = boxes_check(boxes, k);
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
-    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
-    status = update_unchanged(world, k, handles, boxes, &others);
+    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
+    status = update_unchanged(w, k, handles, boxes, &others);
     for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, world->config.dims, &bounds, &bound);
-        box_change(&world->boxes, slot_of(handles[i]), &bounds);
+        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return status;
+}
+
+msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles, const msap_boxes *boxes)
+{
+    msap_status status = begin(world);
+    return status == MSAP_OK ? end(world, update_many(world, k, handles, boxes)) : status;
 }
 
 msap_status msap_update(msap_world *world, msap_handle handle, const float *min, const float *max)
@@ -145,15 +164,18 @@ static msap_status check_remove(msap_world *w, size_t k, const msap_handle *hand
     return MSAP_OK;
 }
 
+static msap_status remove_many(msap_world *w, size_t k, const msap_handle *handles)
+{
+    if (k > 0 && !handles) return world_fail(w, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
+    msap_status status = check_remove(w, k, handles);
+    for (size_t i = 0; i < k && status == MSAP_OK; i++) box_remove(&w->boxes, slot_of(handles[i]));
+    return status;
+}
+
 msap_status msap_remove_many(msap_world *world, size_t k, const msap_handle *handles)
 {
     msap_status status = begin(world);
-    if (status != MSAP_OK) return status;
-    if (k > 0 && !handles) return world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
-    status = check_remove(world, k, handles);
-    if (status != MSAP_OK) return status;
-    for (size_t i = 0; i < k; i++) box_remove(&world->boxes, slot_of(handles[i]));
-    return MSAP_OK;
+    return status == MSAP_OK ? end(world, remove_many(world, k, handles)) : status;
 }
 
 msap_status msap_remove(msap_world *world, msap_handle handle) { return msap_remove_many(world, 1, &handle); }

@@ -17,8 +17,26 @@
 
 static void sort_events(struct keys *events, struct scratch *scratch, struct memory *m)
 {
-    sort_keys(events->at, events->n, events->n > 32 ? scratch_get(scratch, m, events->n) : NULL);
+    sort_keys(events->at, events->n, events->n > 0 ? scratch_get(scratch, m, events->room) : NULL);
     events->n = unique_keys(events->at, events->n);
+}
+
+/* Brings axes or cells up to date. Returns the strategy that did, or 0 if there was no
+ * memory to. */
+static uint32_t update(msap_world *w, struct job *job)
+{
+    uint32_t strategy = w->stale ? MSAP_STRATEGY_SWEEP : w->config.strategy;
+    if (is_grid(&w->config)) return grid_update(&w->grid, job, strategy);
+    if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, job);
+    sap_update(&w->sap, job, strategy);
+    return strategy;
+}
+
+static void forget_events(struct settler *s)
+{
+    s->fresh.n = s->doomed.n = 0;
+    s->lost = 0;
+    s->touched = s->crossings = 0;
 }
 
 /* Steps 1 and 2: fills the lists of events. */
@@ -26,21 +44,18 @@ static msap_status find_events(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
     struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, &w->crew, w->config.filters};
-    uint32_t strategy = w->config.strategy;
-    if (w->stale) strategy = MSAP_STRATEGY_SWEEP;
     s->boxes = w->boxes.at;
     s->memory = &w->memory;
-    if (is_grid(&w->config)) {
-        strategy = grid_update(&w->grid, &job, strategy);
-        if (!strategy) return MSAP_ERROR_MEMORY;
-    } else {
-        if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, &job);
-        sap_update(&w->sap, &job, strategy);
+    uint32_t strategy = update(w, &job);
+    w->stale = strategy == 0;
+    w->strategy_used[strategy]++;
+    if (strategy == 0) {
+        forget_events(s);
+        touch_all_boxes(&job);
     }
     if (s->lost) return MSAP_ERROR_MEMORY;
     sort_events(&s->fresh, &w->scratch, &w->memory);
     sort_events(&s->doomed, &w->scratch, &w->memory);
-    w->strategy_used[strategy]++;
     return MSAP_OK;
 }
 
@@ -52,26 +67,37 @@ static msap_status reserve_events(msap_world *w)
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (s->fresh.n == 0) return MSAP_OK;
     if (!pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n)) return MSAP_ERROR_MEMORY;
-    return keys_reserve(&s->doomed, &w->memory, active) ? MSAP_OK : MSAP_ERROR_MEMORY;
+    return keys_reserve(&s->doomed, &w->memory, w->pairs.most_active) ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
 /* Steps 1 to 4. */
 static msap_status apply_changes(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
-    s->fresh.n = s->doomed.n = 0;
-    s->lost = 0;
-    s->touched = s->crossings = 0;
+    forget_events(s);
     if (w->boxes.n_changed > 0) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);
-        w->stale = status != MSAP_OK;
-        if (status != MSAP_OK) return status;
+        if (status != MSAP_OK) {
+            w->stale = 1;
+            return status;
+        }
     }
     pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
     boxes_committed(&w->boxes);
     w->commits++;
     return MSAP_OK;
+}
+
+/* Gives memory back once the world has used far less than it holds for long. */
+static void trim_if_idle(msap_world *w)
+{
+    enum { LONG = 256, FAR_LESS = 8, LITTLE = 1024 };
+    int is_idle = w->boxes.room > LITTLE && w->boxes.live < w->boxes.room / FAR_LESS;
+    w->idle_commits = is_idle ? w->idle_commits + 1 : 0;
+    if (w->idle_commits < LONG || w->pairs.created + w->pairs.deleted > 0) return;
+    world_trim(w);
+    w->idle_commits = 0;
 }
 
 static void call_back(msap_world *w, const msap_callbacks *callbacks)
@@ -100,6 +126,7 @@ msap_status msap_commit(msap_world *world, const msap_callbacks *callbacks, msap
     if (status == MSAP_OK) {
         if (callbacks) call_back(world, callbacks);
         boxes_free_removed(&world->boxes);
+        trim_if_idle(world);
     }
     world->busy = 0;
     if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);

@@ -158,12 +158,25 @@ void grid_empty(struct grid *g, struct memory *m)
     for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
 }
 
-void grid_free(struct grid *g, struct memory *m)
+/* Gives back all that boxes in slots below `slots` do not need; the next commit makes
+ * cells and lists anew. */
+void grid_trim(struct grid *g, struct memory *m, size_t slots)
 {
     grid_empty(g, m);
     pool_free(&g->pool, m);
     pool_free(&g->near.pool, m);
-    memory_free(m, g->cell, g->room_cell, sizeof *g->cell);
+    g->n_cells = 0;
+    g->laid_out_for = 0;
+    memory_resize(m, &g->cell, &g->room_cell, 0, 0, sizeof *g->cell);
+    g->slots = slots;
+    memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);
+    memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
+    memory_shrink(m, &g->tag, &g->room_tag, slots, sizeof *g->tag);
+}
+
+void grid_free(struct grid *g, struct memory *m)
+{
+    grid_trim(g, m, g->slots);
     memory_free(m, g->place, g->room_place, sizeof *g->place);
     memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
     memory_free(m, g->tag, g->room_tag, sizeof *g->tag);

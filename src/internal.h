@@ -49,6 +49,7 @@ int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t
                   size_t size);
 int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
                    size_t size);
+void memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size);
 
 /* ------------------------------------------------------------------ pool.c */
 
@@ -176,7 +177,8 @@ struct box_table {
     void **user_data;
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
-    size_t used;       /* slots ever given out */
+    size_t used;       /* slots given out so far, but for those forgotten since */
+    uint32_t first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
     size_t room, room_user_data, room_changed;
     size_t live;
     size_t n_changed;
@@ -237,6 +239,7 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 }
 
 int touch_known_pairs(struct job *job);
+void touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
 
@@ -247,6 +250,7 @@ struct pair_table {
     msap_pair *at;
     size_t room;
     size_t active, created, deleted;
+    size_t most_active, most_deleted; /* so far; there is room for both at once */
     uint32_t *slot; /* [slots] index into `at`, or NONE; linear probing, at most 3/4 full */
     size_t slots;   /* 0 or a power of two */
 };
@@ -311,6 +315,7 @@ struct scratch {
     size_t room;
 };
 void *scratch_get(struct scratch *s, struct memory *m, size_t words);
+#define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for whatever is done to all boxes */
 
 /* What a commit works on. */
 struct job {
@@ -355,6 +360,7 @@ struct crew {
 typedef void (*phase_fn)(void *context, struct worker *w, size_t first, size_t last);
 void crew_init(struct crew *crew, const msap_config *config);
 int crew_reserve(struct crew *crew, struct memory *m, size_t slots);
+void crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
 void crew_free(struct crew *crew, struct memory *m);
 int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n);
 void worker_put(struct worker *w, uint64_t key);
@@ -488,6 +494,7 @@ struct grid {
 void grid_init(struct grid *g, const msap_config *config);
 void grid_empty(struct grid *g, struct memory *m);
 void grid_free(struct grid *g, struct memory *m);
+void grid_trim(struct grid *g, struct memory *m, size_t slots);
 int grid_reserve(struct grid *g, struct memory *m, size_t slots);
 struct range grid_range(const struct grid *g, const struct bounds *b);
 struct range grid_range_on(const struct grid *g, struct range base, uint32_t level);
@@ -518,10 +525,12 @@ struct cell *cell_at(const struct level *l, const int32_t at[3]);
 void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void skin_first(struct place *p, const struct box *b, const struct grid *g);
 
-/* ------------------------------------------------------ rebuild.c, track.c */
+/* ------------------------------------------- rebuild.c, track.c, grid_check.c */
 
 int grid_rebuild(struct grid *g, struct job *job, int with_lists);
 uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy);
+void grid_count(const struct grid *g, msap_world_stats *stats);
+const char *grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);
 
 /* ----------------------------------------------------------------- world.c */
 
@@ -537,12 +546,14 @@ struct msap_world {
     struct crew crew;
     struct scratch scratch;
     int busy;  /* 1 while an owner call runs: calls from inside its callbacks are refused */
-    int stale; /* 1: a commit failed halfway; the next one sorts and prunes everything anew */
+    int stale; /* 1: axes or cells fell behind the boxes for want of memory; the next commit makes them anew */
+    uint32_t idle_commits; /* in a row in which the world used far less than it holds */
     uint64_t commits, strategy_used[4];
     uint32_t error_status, error_bound;
     uint64_t error_index;
 };
 
+void world_trim(msap_world *w);
 msap_status world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound);
 
 #endif

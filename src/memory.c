@@ -76,6 +76,13 @@ int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_
     return memory_resize(m, pointer_to_array, room, spared > roomy ? spared : roomy, used, size);
 }
 
+/* Gives room for `need` elements, which are kept, back; without memory for the smaller
+ * array the larger one stays. */
+void memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size)
+{
+    if (need < *room) memory_resize(m, pointer_to_array, room, need, need, size);
+}
+
 void *scratch_get(struct scratch *s, struct memory *m, size_t words)
 {
     return memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;

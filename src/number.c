@@ -111,12 +111,21 @@ static inline uint32_t load(const char *at)
     return bits;
 }
 
-static inline uint32_t load_outward(const char *at, unsigned up)
+static inline uint64_t load_wide(const char *at)
 {
     uint64_t bits;
     memcpy(&bits, at, sizeof bits);
-    return float_bits_outward(bits, up);
+    return bits;
 }
+
+/* A double's bits as an integer of the same order, -0 being +0. */
+static uint64_t order_wide(uint64_t bits)
+{
+    const uint64_t sign = (uint64_t)1 << 63;
+    return bits > sign ? ~bits : bits | sign;
+}
+
+static inline uint32_t load_outward(const char *at, unsigned up) { return float_bits_outward(load_wide(at), up); }
 
 static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
 {
@@ -182,19 +191,30 @@ static msap_status diagnose(const struct bounds *b, uint32_t *bound)
     return MSAP_ERROR_INVERTED;
 }
 
+/* Whether doubles are inverted that are not any more as floats; *bound becomes the min. */
+static int doubles_inverted(const char *min, const char *max, const msap_boxes *boxes, uint32_t dims, uint32_t *bound)
+{
+    for (*bound = 0; *bound < dims; ++*bound) {
+        uint64_t low = load_wide(min + (ptrdiff_t)*bound * boxes->min_component);
+        uint64_t high = load_wide(max + (ptrdiff_t)*bound * boxes->max_component);
+        if (order_wide(low) > order_wide(high)) return 1;
+    }
+    return 0;
+}
+
 /* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
  * the one at fault. */
 msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out, uint32_t *bound)
 {
     const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
     const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
-    int legal;
+    ptrdiff_t step_min = boxes->min_component, step_max = boxes->max_component;
     if (boxes->scalar == MSAP_FLOAT)
-        legal = encode(load_floats(min, boxes->min_component, dims), load_floats(max, boxes->max_component, dims), out);
-    else
-        legal = encode(load_doubles(min, boxes->min_component, dims, 0),
-                       load_doubles(max, boxes->max_component, dims, 1), out);
-    return legal ? MSAP_OK : diagnose(out, bound);
+        return encode(load_floats(min, step_min, dims), load_floats(max, step_max, dims), out) ? MSAP_OK
+                                                                                               : diagnose(out, bound);
+    if (!encode(load_doubles(min, step_min, dims, 0), load_doubles(max, step_max, dims, 1), out))
+        return diagnose(out, bound);
+    return doubles_inverted(min, max, boxes, dims, bound) ? MSAP_ERROR_INVERTED : MSAP_OK;
 }
 
 msap_boxes boxes_of_one(const float *min, const float *max)

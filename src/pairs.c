@@ -81,11 +81,17 @@ void pairs_free(struct pair_table *t, struct memory *m)
     memset(t, 0, sizeof *t);
 }
 
-/* Room for a commit's events. Returns 0 without memory, the pairs being as before. */
+static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
+
+/* Room for a commit's events. Returns 0 without memory, the pairs being as before. The
+ * array has room for the most pairs so far and, behind them, the most deleted ones. */
 int pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted)
 {
     size_t active = t->active - deleted + created;
-    if (!memory_reserve(m, &t->at, &t->room, t->active + created, t->active + t->deleted, sizeof *t->at)) return 0;
+    size_t room = larger(active, t->most_active) + larger(deleted, t->most_deleted);
+    if (!memory_reserve(m, &t->at, &t->room, room, t->active + t->deleted, sizeof *t->at)) return 0;
+    t->most_active = larger(active, t->most_active);
+    t->most_deleted = larger(deleted, t->most_deleted);
     return slots_for(active) <= t->slots || resize_table(t, m, slots_for(active));
 }
 
@@ -93,7 +99,9 @@ int pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t
 void pairs_trim(struct pair_table *t, struct memory *m)
 {
     t->created = t->deleted = 0;
-    if (t->active < t->room) memory_resize(m, &t->at, &t->room, t->active, t->active, sizeof *t->at);
+    t->most_active = t->active;
+    t->most_deleted = 0;
+    memory_shrink(m, &t->at, &t->room, t->active, sizeof *t->at);
     if (slots_for(t->active) < t->slots) resize_table(t, m, slots_for(t->active));
 }
 

@@ -37,6 +37,21 @@ int crew_reserve(struct crew *crew, struct memory *m, size_t slots)
     return 1;
 }
 
+/* Gives back all but room for what boxes in so many slots need, and on the doomed list
+ * of the calling thread for every pair. */
+void crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs)
+{
+    for (uint32_t i = 0; i < count_of(crew); i++) {
+        struct worker *w = &crew->worker[i];
+        keys_free(&w->settler.fresh, m);
+        keys_free(&w->pairs, m);
+        w->settler.doomed.n = 0;
+        memory_shrink(m, &w->settler.doomed.at, &w->settler.doomed.room, i == 0 ? pairs : 0,
+                      sizeof *w->settler.doomed.at);
+        memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
+    }
+}
+
 void crew_free(struct crew *crew, struct memory *m)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {

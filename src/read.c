@@ -130,5 +130,6 @@ msap_status msap_stats(const msap_world *world, msap_world_stats *stats)
     stats->slides = world->strategy_used[MSAP_STRATEGY_SLIDE];
     stats->merges = world->strategy_used[MSAP_STRATEGY_MERGE];
     stats->sweeps = world->strategy_used[MSAP_STRATEGY_SWEEP];
+    if (is_grid(&world->config)) grid_count(&world->grid, stats);
     return MSAP_OK;
 }

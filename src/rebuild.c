@@ -207,7 +207,7 @@ int grid_rebuild(struct grid *g, struct job *job, int with_lists)
     g->has_lists = with_lists;
     g->moves = t->live;
     if (layout_is_old(g, t->live) && !grid_layout(g, job->memory, t)) return 0;
-    r.range = scratch_get(job->scratch, job->memory, t->used * sizeof *r.range / sizeof(uint64_t) + 1);
+    r.range = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
     if (!r.range || !phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
     count(&r);
     if (!make_cells(g, job->memory)) return 0;

@@ -103,7 +103,7 @@ static size_t mark_entering_new(const struct job *job)
 static void insert_entering(struct sap *s, const struct job *job)
 {
     size_t n = 0;
-    uint64_t *scratch = scratch_get(job->scratch, job->memory, 4 * job->boxes->n_changed);
+    uint64_t *scratch = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     for (uint32_t k = 0; k < s->dims; k++) {
         struct axis *x = &s->axis[k];
         uint64_t *incoming = scratch ? scratch : x->key + 1 + 2 * s->stored;
@@ -131,7 +131,7 @@ static void rebuild(struct sap *s, const struct job *job)
             key[n++] = key_make(t->at[slot].now.min[k], 0, slot);
             key[n++] = key_make(t->at[slot].now.max[k], 1, slot);
         }
-        axis_sort(&s->axis[k], s->stored, scratch_get(job->scratch, job->memory, n));
+        axis_sort(&s->axis[k], s->stored, scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used)));
     }
     for (uint32_t slot = 0; slot < t->used; slot++) {
         uint32_t *flags = &t->at[slot].flags;
@@ -194,7 +194,7 @@ static void prune_new(const struct sap *s, const struct job *job, size_t n_new)
     if (n_new == 0) return;
     uint32_t k = sweep_axis(s, job);
     size_t n_old = s->stored - n_new;
-    uint64_t *words = scratch_get(job->scratch, job->memory, PRUNE_SET_WORDS(n_new) + PRUNE_SET_WORDS(n_old));
+    uint64_t *words = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!words) {
         prune_in_place(s, job, k);
         return;

@@ -13,36 +13,24 @@
  * look like removals it lets only the real ones through. */
 #include "internal.h"
 
-static int has_room(const struct settler *s, struct keys *list)
+/* Makes room for one more key in a list that is full: by dropping repeats, and by
+ * growing unless they were half of it or more. So a list grows only if more pairs
+ * changed than ever before, however often they were touched. */
+static int make_room(struct settler *s, struct keys *list)
 {
-    return list->n < list->room || (s->memory && keys_reserve(list, s->memory, list->n + 1));
-}
-
-/* Without memory the calling thread drops the repeats: then all known pairs fit. */
-static void put_doomed(struct settler *s, uint64_t key)
-{
-    struct keys *doomed = &s->doomed;
-    if (!has_room(s, doomed)) {
-        s->lost |= !s->memory;
-        if (!s->memory) return;
-        sort_keys(doomed->at, doomed->n, NULL);
-        doomed->n = unique_keys(doomed->at, doomed->n);
-        if (doomed->n == doomed->room) return; /* this one is among them */
-    }
-    doomed->at[doomed->n++] = key;
-}
-
-static void put_fresh(struct settler *s, uint64_t key)
-{
-    if (has_room(s, &s->fresh)) s->fresh.at[s->fresh.n++] = key;
-    else s->lost = 1;
+    sort_keys(list->at, list->n, NULL);
+    list->n = unique_keys(list->at, list->n);
+    if (list->n <= list->room / 2 && list->room > 0) return 1;
+    if (s->memory && keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
+    return list->n < list->room;
 }
 
 /* A pair that overlaps now and did not before, or the other way round. */
 void settle_change(struct settler *s, uint64_t key, int is)
 {
-    if (is) put_fresh(s, key);
-    else put_doomed(s, key);
+    struct keys *list = is ? &s->fresh : &s->doomed;
+    if (list->n < list->room || make_room(s, list)) list->at[list->n++] = key;
+    else s->lost |= is || !s->memory; /* the doomed list of the calling thread holds all known pairs */
 }
 
 static void touch_known(void *context, struct worker *w, size_t first, size_t last)
@@ -59,4 +47,14 @@ static void touch_known(void *context, struct worker *w, size_t first, size_t la
 int touch_known_pairs(struct job *job)
 {
     return phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
+}
+
+/* The last resort, when there is no memory for anything better: touches every pair
+ * that a changed box could make. */
+void touch_all_boxes(const struct job *job)
+{
+    const struct box_table *t = job->boxes;
+    for (size_t i = 0; i < t->n_changed; i++)
+        for (uint32_t other = 0; other < t->used; other++)
+            if (other != t->changed[i]) settle(job->settler, t->changed[i], other);
 }

@@ -50,7 +50,7 @@ static size_t misplaced_first(const struct grid *g, const struct box_table *t)
 static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 {
     uint32_t *changed = job->boxes->changed;
-    uint64_t *key = scratch_get(job->scratch, job->memory, 2 * n);
+    uint64_t *key = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
         struct range base = grid_range(g, &g->place[changed[i]].fat);

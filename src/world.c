@@ -88,20 +88,23 @@ msap_status msap_destroy(msap_world *world)
     return MSAP_OK;
 }
 
+/* Gives back what the world does not need; changes may be pending. */
+void world_trim(msap_world *w)
+{
+    struct memory *m = &w->memory;
+    pairs_trim(&w->pairs, m);
+    boxes_trim(&w->boxes, m);
+    crew_trim(&w->crew, m, w->boxes.used, w->pairs.active);
+    memory_resize(m, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
+    if (is_grid(&w->config)) grid_trim(&w->grid, m, w->boxes.used);
+    else sap_trim(&w->sap, m, w->boxes.used);
+}
+
 msap_status msap_trim(msap_world *world)
 {
     if (!world) return MSAP_ERROR_NULL;
     if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    struct memory *m = &world->memory;
-    struct keys *doomed = &world->crew.worker[0].settler.doomed;
-    pairs_trim(&world->pairs, m);
-    keys_free(&world->crew.worker[0].settler.fresh, m);
-    memory_free(m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
-    memset(&world->scratch, 0, sizeof world->scratch);
-    if (world->pairs.active < doomed->room)
-        memory_resize(m, &doomed->at, &doomed->room, world->pairs.active, 0, sizeof *doomed->at);
-    boxes_trim(&world->boxes, m);
-    sap_trim(&world->sap, m, world->boxes.used);
+    world_trim(world);
     return MSAP_OK;
 }
 
