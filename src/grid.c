@@ -15,41 +15,61 @@
  * level has no more cells to visit than it has memory for, however large the box.
  *
  * Cell numbers are found without rounding, so that a box is always looked for where
- * it was put: a power of two scales the coordinate, and what lies beyond 2^50 units
- * counts as 2^50. Subnormal coordinates count as 0 whether or not the host's
- * floating point flushes them. */
+ * it was put: a power of two scales the coordinate to units, what lies beyond 2^30
+ * units counts as 2^30, and what is nearer to 0 than 2^-30 units counts as 0, whether
+ * or not the host's floating point flushes subnormals. */
 #include "internal.h"
-
 
 /* ------------------------------------------------------------ ranges of cells */
 
-static int64_t floor_divide(int64_t a, int64_t b)
-{
-    int64_t quotient = a / b;
-    return quotient - (a % b < 0);
-}
+static const float MOST_UNITS = 1073741824.0f, LEAST_UNITS = 1.0f / 1073741824.0f, MOST_FLOAT = 3.402823466e38f;
 
-/* The cell of level 0 that holds a coordinate. */
-static int32_t cell_of(const struct grid_axis *axis, int32_t ordered)
+#if defined(__SSE2__)
+/* floor(x * scale) on all axes. */
+static inline void units_of(const struct grid *g, const int32_t ordered[3], int32_t units[4])
 {
-    const double most = 1125899906842624.0; /* 2^50 */
-    uint32_t bits = float_bits_from_ordered(ordered);
-    if (axis->scale == 0 || (bits & 0x7f800000u) == 0) bits = 0;
-    double units = (double)float_from_bits(bits) * axis->scale;
-    units = units < -most ? -most : units > most ? most : units;
-    int64_t whole = (int64_t)units;
-    whole -= (double)whole > units;
-    int64_t cell = axis->width == 1 ? whole - axis->origin : floor_divide(whole - axis->origin, axis->width);
-    return cell < -CELL_LIMIT ? -CELL_LIMIT : cell > CELL_LIMIT ? CELL_LIMIT : (int32_t)cell;
+    __m128i bits = load_bounds(ordered);
+    bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+    __m128 x = _mm_castsi128_ps(bits), most = _mm_set1_ps(MOST_UNITS), most_float = _mm_set1_ps(MOST_FLOAT);
+    x = _mm_max_ps(_mm_min_ps(x, most_float), _mm_sub_ps(_mm_setzero_ps(), most_float));
+    x = _mm_mul_ps(x, _mm_loadu_ps(g->scale));
+    __m128 magnitude = _mm_andnot_ps(_mm_set1_ps(-0.0f), x);
+    x = _mm_and_ps(x, _mm_cmpge_ps(magnitude, _mm_set1_ps(LEAST_UNITS)));
+    x = _mm_max_ps(_mm_min_ps(x, most), _mm_sub_ps(_mm_setzero_ps(), most));
+    __m128i whole = _mm_cvttps_epi32(x);
+    whole = _mm_add_epi32(whole, _mm_castps_si128(_mm_cmplt_ps(x, _mm_cvtepi32_ps(whole))));
+    _mm_storeu_si128((__m128i *)(void *)units, whole);
+}
+#else
+static inline void units_of(const struct grid *g, const int32_t ordered[3], int32_t units[4])
+{
+    for (int k = 0; k < 3; k++) {
+        float x = float_from_bits(float_bits_from_ordered(ordered[k]));
+        x = x > MOST_FLOAT ? MOST_FLOAT : x < -MOST_FLOAT ? -MOST_FLOAT : x;
+        x *= g->scale[k];
+        if (!(x >= LEAST_UNITS || x <= -LEAST_UNITS)) x = 0;
+        x = x > MOST_UNITS ? MOST_UNITS : x < -MOST_UNITS ? -MOST_UNITS : x;
+        units[k] = (int32_t)x - ((float)(int32_t)x > x);
+    }
+}
+#endif
+
+static int32_t floor_divide(int32_t a, int32_t b)
+{
+    int32_t quotient = a / b;
+    return quotient - (a % b < 0);
 }
 
 /* The cells of level 0 that a box touches. */
 struct range grid_range(const struct grid *g, const struct bounds *b)
 {
     struct range r;
-    for (uint32_t k = 0; k < 3; k++) {
-        r.low[k] = cell_of(&g->axis[k], b->min[k]);
-        r.high[k] = cell_of(&g->axis[k], b->max[k]);
+    int32_t low[4], high[4];
+    units_of(g, b->min, low);
+    units_of(g, b->max, high);
+    for (int k = 0; k < 3; k++) {
+        r.low[k] = g->is_told ? floor_divide(low[k] - g->origin[k], g->width[k]) : low[k];
+        r.high[k] = g->is_told ? floor_divide(high[k] - g->origin[k], g->width[k]) : high[k];
     }
     return r;
 }
@@ -59,7 +79,7 @@ struct range grid_range(const struct grid *g, const struct bounds *b)
 struct range grid_range_on(const struct grid *g, struct range base, uint32_t level)
 {
     const struct level *l = &g->level[level];
-    uint32_t shift = level == TOP ? 31 : LEVEL_SHIFT * level;
+    uint32_t shift = LEVEL_SHIFT * level;
     for (uint32_t k = 0; k < 3; k++) {
         base.low[k] = floor_shift(base.low[k], shift);
         base.high[k] = floor_shift(base.high[k], shift);
@@ -88,35 +108,33 @@ uint32_t grid_level_for(struct range base)
     return level;
 }
 
-static uint32_t wrap(int32_t at, uint32_t count)
+/* The cells of a level at some height and depth. */
+static struct cell *row_of(const struct level *l, int32_t y, int32_t z)
 {
-    if ((count & (count - 1)) == 0) return (uint32_t)at & (count - 1);
-    int64_t rest = (int64_t)at % (int64_t)count;
-    return (uint32_t)(rest < 0 ? rest + count : rest);
+    return l->cell + (wrap(z, l->count[2]) * (size_t)l->count[1] + wrap(y, l->count[1])) * l->count[0];
 }
 
 struct cell *cell_at(const struct level *l, const int32_t at[3])
 {
-    size_t row = wrap(at[2], l->count[2]) * (size_t)l->count[1] + wrap(at[1], l->count[1]);
-    return &l->cell[row * l->count[0] + wrap(at[0], l->count[0])];
+    return row_of(l, at[1], at[2]) + wrap(at[0], l->count[0]);
 }
 
 struct cell_walk cell_walk(const struct level *l, struct range r)
 {
-    struct cell_walk w = {l, r, {r.low[0], r.low[1], r.low[2]}};
+    struct cell_walk w = {l, r, r.low[0], r.low[1], r.low[2], row_of(l, r.low[1], r.low[2])};
     return w;
 }
 
-/* The next cell of the walk, or NULL. */
-struct cell *cell_next(struct cell_walk *w)
+/* Goes to the next row of the range; returns 0 behind the last. */
+int cell_walk_row(struct cell_walk *w)
 {
-    if (w->at[2] > w->range.high[2]) return NULL;
-    struct cell *c = cell_at(w->level, w->at);
-    for (int k = 0; k < 3; k++) {
-        if (++w->at[k] <= w->range.high[k] || k == 2) break;
-        w->at[k] = w->range.low[k];
+    if (++w->y > w->range.high[1]) {
+        w->y = w->range.low[1];
+        if (++w->z > w->range.high[2]) return 0;
     }
-    return c;
+    w->x = w->range.low[0];
+    w->row = row_of(w->level, w->y, w->z);
+    return 1;
 }
 
 /* -------------------------------------------------------------- life and end */

@@ -435,7 +435,7 @@ sweep_fn sweep_for(uint32_t simd);
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
 enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, NO_LEVEL = 255, NO_HORIZON = 255, MOST_CELLS = 8 };
-enum { CELL_LIMIT = 1 << 30 }; /* cells beyond count as this one */
+enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
 /* Cells of an axis-aligned block of the grid, low and high included. */
 struct range {
@@ -448,13 +448,6 @@ struct level {
     struct cell *cell; /* the first of its cells among all */
     uint32_t count[3];
     size_t boxes; /* that are in this level */
-};
-
-/* How coordinates become cells of level 0: floor(x * scale) counts units, a power of
- * two of the scene's, and `width` units from `origin` on are a cell. */
-struct grid_axis {
-    double scale; /* 0: one cell holds the whole axis */
-    int64_t origin, width;
 };
 
 /* Where a box is in the grid. */
@@ -472,7 +465,10 @@ struct place {
 struct grid {
     const msap_config *config;
     sweep_fn sweep;
-    struct grid_axis axis[3];
+    float scale[4];    /* floor(x * scale) counts units of an axis: powers of two; 0: all is one unit */
+    int is_told;       /* a unit is a cell of level 0, unless the grid is as told: then */
+    int32_t origin[3]; /* from this unit on */
+    int32_t width[3];  /* so many are */
     struct level level[LEVELS];
     struct cell *cell; /* of all levels */
     size_t n_cells, room_cell;
@@ -512,14 +508,30 @@ static inline int32_t floor_shift(int32_t a, uint32_t shift)
     return a < 0 ? -1 - (int32_t)((uint32_t)(-1 - a) >> shift) : (int32_t)((uint32_t)a >> shift);
 }
 
-/* Visits the cells of a range, one after another. */
+static inline uint32_t wrap(int32_t at, uint32_t count)
+{
+    if ((count & (count - 1)) == 0) return (uint32_t)at & (count - 1);
+    int64_t rest = (int64_t)at % (int64_t)count;
+    return (uint32_t)(rest < 0 ? rest + count : rest);
+}
+
+/* Visits the cells of a range row by row. */
 struct cell_walk {
     const struct level *level;
     struct range range;
-    int32_t at[3];
+    int32_t x, y, z; /* of the next cell */
+    struct cell *row;
 };
 struct cell_walk cell_walk(const struct level *l, struct range r);
-struct cell *cell_next(struct cell_walk *w);
+int cell_walk_row(struct cell_walk *w);
+
+/* The next cell, or NULL. */
+static inline struct cell *cell_next(struct cell_walk *w)
+{
+    if (w->x > w->range.high[0] && !cell_walk_row(w)) return NULL;
+    return &w->row[wrap(w->x++, w->level->count[0])];
+}
+
 struct cell *cell_at(const struct level *l, const int32_t at[3]);
 
 void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);

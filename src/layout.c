@@ -11,7 +11,7 @@
 #include "internal.h"
 
 
-enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, MOST_EXPONENT = 120 };
+enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 120 };
 
 /* What the sample says about an axis. */
 struct spread {
@@ -28,13 +28,16 @@ static double power_of_two(int exponent)
     return power;
 }
 
-/* The least exponent whose power of two is not below a value, within limits. */
+/* The least exponent whose power of two is not below a value, within limits that
+ * keep units_of (grid.c) right for every float. */
 static int exponent_for(double value)
 {
-    int exponent = -MOST_EXPONENT;
+    int exponent = LEAST_EXPONENT;
     while (exponent < MOST_EXPONENT && power_of_two(exponent) < value) exponent++;
     return exponent;
 }
+
+static int limited(int exponent) { return exponent < LEAST_EXPONENT ? LEAST_EXPONENT : exponent; }
 
 static uint64_t sortable(double value) { return msap_encode_float((float)value); }
 static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code); }
@@ -126,28 +129,30 @@ static void lay_out_for_boxes(struct grid *g, const struct box_table *boxes, uin
     for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
     choose_cells(s, (double)boxes->live, g->config->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
-        struct grid_axis axis = {0, 0, 1};
         count[k] = count_for(cells_on(&s[k]));
-        if (count[k] > 1) axis.scale = power_of_two(-s[k].exponent);
-        g->axis[k] = axis;
+        g->scale[k] = count[k] == 1 ? 0 : (float)power_of_two(-s[k].exponent);
     }
 }
 
-/* As configured. The bounds are cut into 2^20 units or more, a whole number of which
- * is a cell; so the width of a cell is as asked for to one part in a million. */
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* As configured. The larger of the bounds is 2^24 units, as much as a float can tell
+ * apart; a cell is a whole number of them. */
 static void lay_out_as_told(struct grid *g, uint32_t count[3])
 {
     const msap_config *c = g->config;
+    g->is_told = 1;
     for (uint32_t k = 0; k < 3; k++) {
-        struct grid_axis axis = {0, 0, 1};
         double min = c->grid_min[k], max = c->grid_max[k];
         count[k] = c->grid_cells[k];
-        if (count[k] > 1) {
-            axis.scale = power_of_two(20 - exponent_for(max - min));
-            axis.origin = (int64_t)(min * axis.scale);
-            axis.width = ((int64_t)(max * axis.scale) - axis.origin) / count[k] + 1;
-        }
-        g->axis[k] = axis;
+        g->scale[k] = 0;
+        g->origin[k] = 0;
+        g->width[k] = 1;
+        if (count[k] == 1) continue;
+        int unit = exponent_for(larger(larger(min, -min), larger(max, -max))) - 24;
+        g->scale[k] = (float)power_of_two(-limited(unit));
+        g->origin[k] = (int32_t)(min * g->scale[k]);
+        g->width[k] = (int32_t)((max - min) * g->scale[k] / count[k]) + 1;
     }
 }
 
