@@ -24,15 +24,15 @@
 
 static const float MOST_UNITS = 1073741824.0f, LEAST_UNITS = 1.0f / 1073741824.0f, MOST_FLOAT = 3.402823466e38f;
 
-#if defined(__SSE2__)
 /* floor(x * scale) on all axes. */
-static inline void units_of(const struct grid *g, const int32_t ordered[3], int32_t units[4])
+#if defined(__SSE2__)
+void units_of(const float scale[4], const int32_t *ordered, int32_t *units)
 {
     __m128i bits = load_bounds(ordered);
     bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
     __m128 x = _mm_castsi128_ps(bits), most = _mm_set1_ps(MOST_UNITS), most_float = _mm_set1_ps(MOST_FLOAT);
     x = _mm_max_ps(_mm_min_ps(x, most_float), _mm_sub_ps(_mm_setzero_ps(), most_float));
-    x = _mm_mul_ps(x, _mm_loadu_ps(g->scale));
+    x = _mm_mul_ps(x, _mm_loadu_ps(scale));
     __m128 magnitude = _mm_andnot_ps(_mm_set1_ps(-0.0f), x);
     x = _mm_and_ps(x, _mm_cmpge_ps(magnitude, _mm_set1_ps(LEAST_UNITS)));
     x = _mm_max_ps(_mm_min_ps(x, most), _mm_sub_ps(_mm_setzero_ps(), most));
@@ -41,12 +41,12 @@ static inline void units_of(const struct grid *g, const int32_t ordered[3], int3
     _mm_storeu_si128((__m128i *)(void *)units, whole);
 }
 #else
-static inline void units_of(const struct grid *g, const int32_t ordered[3], int32_t units[4])
+void units_of(const float scale[4], const int32_t *ordered, int32_t *units)
 {
     for (int k = 0; k < 3; k++) {
         float x = float_from_bits(float_bits_from_ordered(ordered[k]));
         x = x > MOST_FLOAT ? MOST_FLOAT : x < -MOST_FLOAT ? -MOST_FLOAT : x;
-        x *= g->scale[k];
+        x *= scale[k];
         if (!(x >= LEAST_UNITS || x <= -LEAST_UNITS)) x = 0;
         x = x > MOST_UNITS ? MOST_UNITS : x < -MOST_UNITS ? -MOST_UNITS : x;
         units[k] = (int32_t)x - ((float)(int32_t)x > x);
@@ -65,8 +65,8 @@ struct range grid_range(const struct grid *g, const struct bounds *b)
 {
     struct range r;
     int32_t low[4], high[4];
-    units_of(g, b->min, low);
-    units_of(g, b->max, high);
+    units_of(g->scale, b->min, low);
+    units_of(g->scale, b->max, high);
     for (int k = 0; k < 3; k++) {
         r.low[k] = g->is_told ? floor_divide(low[k] - g->origin[k], g->width[k]) : low[k];
         r.high[k] = g->is_told ? floor_divide(high[k] - g->origin[k], g->width[k]) : high[k];
@@ -145,6 +145,7 @@ void grid_init(struct grid *g, const msap_config *config)
     memset(g, 0, sizeof *g);
     g->config = config;
     g->sweep = sweep_for(config->simd);
+    g->sweep_row = sweep_row_for(config->simd);
     pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
     pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }
@@ -174,6 +175,7 @@ void grid_empty(struct grid *g, struct memory *m)
     for (uint32_t level = 0; level < LEVELS; level++) g->level[level].boxes = 0;
     near_empty(&g->near, m, g->slots);
     for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
+    g->is_tracking = 0;
 }
 
 /* Gives back all that boxes in slots below `slots` do not need; the next commit makes
@@ -185,6 +187,7 @@ void grid_trim(struct grid *g, struct memory *m, size_t slots)
     pool_free(&g->near.pool, m);
     g->n_cells = 0;
     g->laid_out_for = 0;
+    row_set_free(&g->row_set, m);
     memory_resize(m, &g->cell, &g->room_cell, 0, 0, sizeof *g->cell);
     g->slots = slots;
     memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);

@@ -105,5 +105,5 @@ const char *grid_broken(const struct grid *g, const struct box_table *boxes, con
         if (is_in && !contains(&g->place[slot].fat, &b->before)) return "a box is outside its fat bounds";
     }
     const char *broken = cells_broken(g, boxes);
-    return broken || !g->has_lists ? broken : lists_broken(g, boxes, pairs);
+    return broken ? broken : lists_broken(g, boxes, pairs);
 }

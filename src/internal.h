@@ -82,6 +82,7 @@ struct keys {
 int keys_reserve(struct keys *k, struct memory *m, size_t need);
 void keys_free(struct keys *k, struct memory *m);
 void sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
+void sort_values(uint64_t *key, size_t n, uint64_t *scratch);
 size_t unique_keys(uint64_t *key, size_t n);
 
 /* ---------------------------------------------------------------- number.c */
@@ -462,8 +463,44 @@ struct place {
 
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. */
+/* Rows along a sweep axis, by cells on the other two (jump.c). */
+struct rows {
+    uint32_t axis[3]; /* the sweep axis first */
+    float scale[4];   /* as grid.scale */
+    uint32_t count[2];
+    size_t chosen_for; /* boxes when they were chosen, and one; 0: not yet */
+    uint32_t chosen_at; /* the commit in which they were */
+};
+
+/* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. */
+struct row_set {
+    int32_t *min[3], *max[3];
+    uint32_t *id;
+    int32_t *words; /* all of them */
+    size_t room;
+};
+enum { ROW_SLACK = 8 }; /* entries that may be read behind the last */
+
+int row_set_make(struct row_set *set, struct memory *m, size_t entries);
+void row_set_free(struct row_set *set, struct memory *m);
+typedef size_t (*sweep_row_fn)(const struct row_set *set, uint32_t i, uint32_t end, uint32_t *out);
+sweep_row_fn sweep_row_for(uint32_t simd);
+
+static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
+                               uint32_t slot)
+{
+    for (int k = 0; k < 3; k++) {
+        set->min[k][at] = b->min[axis[k]];
+        set->max[k][at] = b->max[axis[k]];
+    }
+    set->id[at] = slot;
+}
+
 struct grid {
     const msap_config *config;
+    sweep_row_fn sweep_row;
+    struct rows rows;
+    struct row_set row_set;
     sweep_fn sweep;
     float scale[4];    /* floor(x * scale) counts units of an axis: powers of two; 0: all is one unit */
     int is_told;       /* a unit is a cell of level 0, unless the grid is as told: then */
@@ -484,7 +521,7 @@ struct grid {
     uint32_t laid_out_at; /* the commit in which it was */
     size_t moves;         /* boxes that the last commit put into other cells or gave a new skin */
     int upheaval;         /* the last commit moved most boxes */
-    int has_lists;        /* 0: the last commit rebuilt the grid without neighbour lists */
+    int is_tracking;      /* cells and lists are up to date; 0 after a commit that kept nothing */
 };
 
 void grid_init(struct grid *g, const msap_config *config);
@@ -501,6 +538,20 @@ int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, st
 void grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
 void grid_new_token(struct grid *g);
 int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
+void units_of(const float scale[4], const int32_t *ordered, int32_t *units);
+
+/* What a sample of the boxes says about an axis. */
+struct spread {
+    double size;   /* three in four boxes are not wider */
+    double extent; /* most centres lie within */
+    int exponent;  /* a cell is 2^exponent wide */
+};
+void spread_of(const struct box_table *boxes, struct spread s[3]);
+double power_of_two(int exponent);
+int exponent_for(double value);
+double cells_on(const struct spread *s);
+uint32_t count_for(double cells);
+int layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes);
 
 /* floor(a / 2^shift) */
 static inline int32_t floor_shift(int32_t a, uint32_t shift)
@@ -537,9 +588,10 @@ struct cell *cell_at(const struct level *l, const int32_t at[3]);
 void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void skin_first(struct place *p, const struct box *b, const struct grid *g);
 
-/* ------------------------------------------- rebuild.c, track.c, grid_check.c */
+/* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 
-int grid_rebuild(struct grid *g, struct job *job, int with_lists);
+int grid_rebuild(struct grid *g, struct job *job);
+int grid_jump(struct grid *g, struct job *job);
 uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy);
 void grid_count(const struct grid *g, msap_world_stats *stats);
 const char *grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);

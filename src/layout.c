@@ -13,14 +13,7 @@
 
 enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 120 };
 
-/* What the sample says about an axis. */
-struct spread {
-    double size;   /* three in four boxes are not wider */
-    double extent; /* most centres lie within */
-    int exponent;  /* a cell is 2^exponent wide */
-};
-
-static double power_of_two(int exponent)
+double power_of_two(int exponent)
 {
     uint64_t bits = (uint64_t)(1023 + exponent) << 52;
     double power;
@@ -30,7 +23,7 @@ static double power_of_two(int exponent)
 
 /* The least exponent whose power of two is not below a value, within limits that
  * keep units_of (grid.c) right for every float. */
-static int exponent_for(double value)
+int exponent_for(double value)
 {
     int exponent = LEAST_EXPONENT;
     while (exponent < MOST_EXPONENT && power_of_two(exponent) < value) exponent++;
@@ -62,7 +55,12 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }
 
-static double cells_on(const struct spread *s)
+void spread_of(const struct box_table *boxes, struct spread s[3])
+{
+    for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
+}
+
+double cells_on(const struct spread *s)
 {
     double cells = s->extent / power_of_two(s->exponent);
     return cells > 1 ? cells : 1;
@@ -94,7 +92,7 @@ static void choose_cells(struct spread s[3], double boxes, double least_size)
     }
 }
 
-static uint32_t count_for(double cells)
+uint32_t count_for(double cells)
 {
     uint32_t count = 1;
     while (count < cells && count < 65536) count *= 2;
@@ -126,7 +124,7 @@ static int make_levels(struct grid *g, struct memory *m, const uint32_t count[3]
 static void lay_out_for_boxes(struct grid *g, const struct box_table *boxes, uint32_t count[3])
 {
     struct spread s[3];
-    for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
+    spread_of(boxes, s);
     choose_cells(s, (double)boxes->live, g->config->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
         count[k] = count_for(cells_on(&s[k]));
@@ -154,6 +152,13 @@ static void lay_out_as_told(struct grid *g, uint32_t count[3])
         g->origin[k] = (int32_t)(min * g->scale[k]);
         g->width[k] = (int32_t)((max - min) * g->scale[k] / count[k]) + 1;
     }
+}
+
+/* A layout is good for a while, and for about as many boxes as it was made for. */
+int layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes)
+{
+    enum { COMMITS = 64 };
+    return chosen_for == 0 || boxes > chosen_for * 2 || boxes * 2 < chosen_for || now - chosen_at > COMMITS;
 }
 
 /* Lays an empty grid out. Returns 0 without memory. */

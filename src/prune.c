@@ -69,3 +69,22 @@ void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune
         sweep_from(b, j, a, first, found, context);
     }
 }
+
+/* Room for so many entries. Returns 0 without memory. */
+int row_set_make(struct row_set *set, struct memory *m, size_t entries)
+{
+    if (entries > UINT32_MAX - ROW_SLACK) return 0;
+    if (!memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words)) return 0;
+    for (size_t k = 0; k < 3; k++) {
+        set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
+        set->max[k] = set->min[k] + entries + ROW_SLACK;
+    }
+    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
+    return 1;
+}
+
+void row_set_free(struct row_set *set, struct memory *m)
+{
+    memory_free(m, set->words, set->room, sizeof *set->words);
+    memset(set, 0, sizeof *set);
+}

@@ -13,10 +13,8 @@
  *    lies in both ranges and is visited once.
  * 4. Boxes of different levels are found by asking for each box the coarser levels.
  *
- * Skins are fitted, cells swept and coarser levels asked by all workers (II.3d). A
- * pair that is found becomes two entries of neighbour lists. While boxes jump so
- * much that every commit rebuilds, no list would ever be used: then there are none,
- * and pairs that are found are touched at once. */
+ * A pair that is found becomes two entries of neighbour lists. Skins are fitted, cells
+ * swept and coarser levels asked by all workers (II.3d). */
 #include "internal.h"
 
 struct rebuild {
@@ -93,12 +91,6 @@ static void fill_cells(struct rebuild *r)
 
 /* ---------------------------------------------------------- steps 3 and 4 */
 
-static void found_pair(const struct rebuild *r, struct worker *w, uint32_t a, uint32_t b)
-{
-    if (r->grid->has_lists) worker_put(w, (uint64_t)a << 32 | b);
-    else settle(&w->settler, a, b);
-}
-
 /* Whether a cell is the one in which two boxes of its level are taken. */
 static int is_meeting_cell(const struct rebuild *r, const struct level *l, const struct cell *c, uint32_t a,
                            uint32_t b)
@@ -116,7 +108,7 @@ static void sweep_cell(const struct rebuild *r, struct worker *w, const struct l
         uint32_t slot = cell_row(c, row, &b);
         size_t n = r->grid->sweep(c, row + 1, c->n, &b, w->found);
         for (size_t i = 0; i < n; i++)
-            if (is_meeting_cell(r, l, c, slot, w->found[i])) found_pair(r, w, slot, w->found[i]);
+            if (is_meeting_cell(r, l, c, slot, w->found[i])) worker_put(w, (uint64_t)slot << 32 | w->found[i]);
     }
 }
 
@@ -137,14 +129,8 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
 {
     const struct rebuild *r = context;
     const struct grid *g = r->grid;
-    for (size_t slot = first; slot < last; slot++) {
-        if (!is_live(r, slot)) continue;
-        size_t from = w->pairs.n;
-        grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
-        if (g->has_lists) continue;
-        for (size_t i = from; i < w->pairs.n; i++) settle(&w->settler, (uint32_t)slot, (uint32_t)w->pairs.at[i]);
-        w->pairs.n = from;
-    }
+    for (size_t slot = first; slot < last; slot++)
+        if (is_live(r, slot)) grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
 }
 
 /* The coarsest level that holds boxes. */
@@ -189,28 +175,21 @@ static void forget_absent(struct grid *g, size_t slots)
         if (g->place[slot].level == NO_LEVEL) g->place[slot].horizon = NO_HORIZON;
 }
 
-/* The layout is good for a while, and for as many boxes as it was made for. */
-static int layout_is_old(const struct grid *g, size_t boxes)
-{
-    enum { COMMITS = 64 };
-    return g->laid_out_for == 0 || boxes > g->laid_out_for * 2 || boxes * 2 < g->laid_out_for ||
-           g->commit - g->laid_out_at > COMMITS;
-}
-
 /* Returns 0 without memory. */
-int grid_rebuild(struct grid *g, struct job *job, int with_lists)
+int grid_rebuild(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
     struct rebuild r = {g, job, NULL};
     forget_absent(g, t->used);
     grid_empty(g, job->memory);
-    g->has_lists = with_lists;
+    g->is_tracking = 0;
     g->moves = t->live;
-    if (layout_is_old(g, t->live) && !grid_layout(g, job->memory, t)) return 0;
+    if (layout_is_old(g->laid_out_for, g->laid_out_at, g->commit, t->live) && !grid_layout(g, job->memory, t)) return 0;
     r.range = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
     if (!r.range || !phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
     count(&r);
     if (!make_cells(g, job->memory)) return 0;
     fill_cells(&r);
-    return find_pairs(&r) && touch_known_pairs(job);
+    g->is_tracking = find_pairs(&r) && touch_known_pairs(job);
+    return g->is_tracking;
 }

@@ -80,6 +80,75 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 }
 #endif
 
+/* ------------------------------------------------------------- sweeping rows */
+
+static size_t sweep_row_portable(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
+{
+    int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i], max2 = s->max[2][i];
+    size_t n = 0;
+    for (uint32_t j = i + 1; j < end && s->min[0][j] <= stop; j++) {
+        out[n] = s->id[j];
+        n += !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]));
+    }
+    return n;
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define LOAD128(array, j) _mm_loadu_si128((const __m128i *)(const void *)&(array)[j])
+#define LOAD256(array, j) _mm256_loadu_si256((const __m256i *)(const void *)&(array)[j])
+
+static size_t sweep_row_sse2(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
+{
+    __m128i stop = _mm_set1_epi32(s->max[0][i]);
+    __m128i min1 = _mm_set1_epi32(s->min[1][i]), max1 = _mm_set1_epi32(s->max[1][i]);
+    __m128i min2 = _mm_set1_epi32(s->min[2][i]), max2 = _mm_set1_epi32(s->max[2][i]);
+    size_t n = 0;
+    for (uint32_t j = i + 1; j < end; j += 4) {
+        __m128i past = _mm_cmpgt_epi32(LOAD128(s->min[0], j), stop);
+        __m128i apart = _mm_or_si128(
+            _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[1], j), max1), _mm_cmpgt_epi32(min1, LOAD128(s->max[1], j))),
+            _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[2], j), max2), _mm_cmpgt_epi32(min2, LOAD128(s->max[2], j))));
+        uint32_t found = ~(uint32_t)_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(past, apart))) & 15;
+        if (end - j < 4) found &= (1u << (end - j)) - 1;
+        for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
+        if (_mm_movemask_ps(_mm_castsi128_ps(past))) break;
+    }
+    return n;
+}
+
+__attribute__((target("avx2"))) static size_t sweep_row_avx2(const struct row_set *s, uint32_t i, uint32_t end,
+                                                             uint32_t *out)
+{
+    __m256i stop = _mm256_set1_epi32(s->max[0][i]);
+    __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
+    __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
+    size_t n = 0;
+    for (uint32_t j = i + 1; j < end; j += 8) {
+        __m256i past = _mm256_cmpgt_epi32(LOAD256(s->min[0], j), stop);
+        __m256i apart1 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[1], j), max1),
+                                         _mm256_cmpgt_epi32(min1, LOAD256(s->max[1], j)));
+        __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2], j), max2),
+                                         _mm256_cmpgt_epi32(min2, LOAD256(s->max[2], j)));
+        __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2));
+        uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & 255;
+        if (end - j < 8) found &= (1u << (end - j)) - 1;
+        for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
+        if (_mm256_movemask_ps(_mm256_castsi256_ps(past))) break;
+    }
+    return n;
+}
+#endif
+
+sweep_row_fn sweep_row_for(uint32_t simd)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+    if ((simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2")) return sweep_row_avx2;
+    if (simd != MSAP_SIMD_NONE) return sweep_row_sse2;
+#endif
+    (void)simd;
+    return sweep_row_portable;
+}
+
 /* The best sweep that the machine has, not above `simd`. */
 sweep_fn sweep_for(uint32_t simd)
 {

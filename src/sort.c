@@ -88,6 +88,33 @@ void sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
     if (from != key) memcpy(key, from, n * sizeof *key);
 }
 
+static void wide_radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned shift)
+{
+    enum { DIGITS = 1 << 11 };
+    uint32_t place[DIGITS] = {0}, sum = 0;
+    for (size_t i = 0; i < n; i++) place[from[i] >> shift & (DIGITS - 1)]++;
+    for (size_t d = 0; d < DIGITS; d++) {
+        uint32_t here = place[d];
+        place[d] = sum;
+        sum += here;
+    }
+    for (size_t i = 0; i < n; i++) to[place[from[i] >> shift & (DIGITS - 1)]++] = from[i];
+}
+
+/* Sorts fewer than 2^32 keys, whose low halves are in order, by their high halves:
+ * three passes, so the result is in scratch and is copied back. */
+void sort_values(uint64_t *key, size_t n, uint64_t *scratch)
+{
+    if (n <= 32) {
+        insertion_sort(key, n);
+        return;
+    }
+    wide_radix_pass(key, scratch, n, 32);
+    wide_radix_pass(scratch, key, n, 43);
+    wide_radix_pass(key, scratch, n, 54);
+    memcpy(key, scratch, n * sizeof *key);
+}
+
 /* Drops the repeats of a sorted array; returns how many keys are left. */
 size_t unique_keys(uint64_t *key, size_t n)
 {

@@ -235,6 +235,14 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     return renew_lists(g, job, job->boxes->changed + gone, misplaced - gone) && touch_neighbours(g, job);
 }
 
+/* Most boxes jump in one commit after another: keep nothing. */
+static int jump(struct grid *g, struct job *job)
+{
+    g->is_tracking = 0;
+    g->moves = job->boxes->live;
+    return grid_jump(g, job);
+}
+
 /* Returns the strategy that was taken, or 0 without memory: then the grid must be
  * rebuilt. */
 uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy)
@@ -244,11 +252,9 @@ uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy)
     int upheaval = is_upheaval(g, job->boxes, misplaced, strategy), again = g->upheaval;
     g->commit++;
     g->upheaval = upheaval;
-    if (upheaval || !g->has_lists) {
-        if (!grid_rebuild(g, job, !(upheaval && again))) return 0;
-        if (g->has_lists && !touch_neighbours(g, job)) return 0;
-        return MSAP_STRATEGY_SWEEP;
-    }
+    if (upheaval && again) return jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (upheaval || !g->is_tracking)
+        return grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (strategy == MSAP_STRATEGY_AUTO)
         strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;

@@ -67,7 +67,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
     if (!world) return MSAP_ERROR_NULL;
     const char *broken = boxes_broken(&world->boxes);
     if (!broken && !is_grid(&world->config)) broken = sap_broken(&world->sap, &world->boxes);
-    if (!broken && is_grid(&world->config) && !world->stale && world->grid.laid_out_for > 0)
+    if (!broken && is_grid(&world->config) && !world->stale && world->grid.is_tracking)
         broken = grid_broken(&world->grid, &world->boxes, &world->pairs);
     if (!broken) broken = pairs_broken(&world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);

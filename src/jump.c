@@ -1,0 +1,221 @@
+/* Pruning everything: the commit of a scene in which most boxes jump.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * When most boxes leave their places in every commit, nothing that could be kept
+ * between commits would be worth keeping. So nothing is: all boxes are pruned
+ * completely (paper I.4c), and the pairs known from before are tested once more.
+ *
+ * 1. The boxes are sorted by their min on the sweep axis, the one on which they are
+ *    finest compared with the scene.
+ * 2. The other axes cut space into rows along the sweep axis: the paper's grid, one
+ *    SAP a row (II.2). Each box is written into the rows that it touches, in sweep
+ *    order, so that every row is sorted. Rows wrap around, as cells do (grid.c).
+ * 3. Each row is swept: from each box over those behind it until one starts after its
+ *    end, eight at a time. Two boxes that meet in several rows are taken in the one
+ *    that holds the higher of their low corners.
+ * 4. Boxes that touch many rows are in none; each is tested against all.
+ *
+ * Sorting and filling take the calling thread, sweeps and tests all workers. */
+#include "internal.h"
+
+enum { MOST_ROWS = 8, MOST_ACTIVE = 6 };
+
+/* The rows that a box touches. */
+struct row_range {
+    int32_t low[2], high[2];
+};
+
+/* One call at work. */
+struct jump {
+    struct grid *grid;
+    struct job *job;
+    uint64_t *order;         /* [n] keys of the boxes by their min on the sweep axis */
+    struct row_range *range; /* [slots] */
+    uint32_t *wide;          /* [n_wide] slots of the boxes of step 4 */
+    size_t n, n_wide;
+    uint32_t *end;           /* [rows] behind the last box of each row */
+    struct row_set set;      /* the boxes, row after row */
+};
+
+/* ------------------------------------------------------------------ layout */
+
+static uint32_t finest_axis(const struct spread s[3])
+{
+    uint32_t best = 0;
+    for (uint32_t k = 1; k < 3; k++)
+        if (s[k].extent * s[best].size > s[best].extent * s[k].size) best = k;
+    return best;
+}
+
+/* Rows are twice as wide as most boxes, and wider while a sweep would meet only few
+ * boxes at a time. */
+static void choose_rows(struct rows *r, const struct box_table *boxes)
+{
+    struct spread s[3];
+    spread_of(boxes, s);
+    double active = (double)boxes->live;
+    for (uint32_t k = 0; k < 3; k++) {
+        s[k].exponent = exponent_for(2 * s[k].size);
+        if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
+    }
+    for (uint32_t k = 0; k < 3; k++) r->axis[k] = (finest_axis(s) + k) % 3;
+    struct spread *y = &s[r->axis[1]], *z = &s[r->axis[2]];
+    for (; active < MOST_ACTIVE && cells_on(y) * cells_on(z) > 1; active *= 2)
+        ++*(cells_on(y) > cells_on(z) ? &y->exponent : &z->exponent);
+    for (uint32_t k = 0; k < 2; k++) {
+        const struct spread *across = k == 0 ? y : z;
+        r->count[k] = count_for(cells_on(across));
+        r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)power_of_two(-across->exponent);
+    }
+    r->scale[r->axis[0]] = 0;
+    r->chosen_for = boxes->live + 1;
+}
+
+/* --------------------------------------------------------------- steps 1, 2 */
+
+static size_t row_at(const struct rows *r, int32_t y, int32_t z)
+{
+    return wrap(z, r->count[1]) * (size_t)r->count[0] + wrap(y, r->count[0]);
+}
+
+static void sort_boxes(struct jump *j, uint64_t *scratch)
+{
+    const struct box_table *t = j->job->boxes;
+    uint32_t axis = j->grid->rows.axis[0];
+    for (uint32_t slot = 0; slot < t->used; slot++)
+        if (t->at[slot].flags & BOX_LIVE) j->order[j->n++] = key_make(t->at[slot].now.min[axis], 0, slot);
+    sort_values(j->order, j->n, scratch);
+}
+
+/* The rows that a box touches; returns how many, in 64 bits. */
+static uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
+{
+    int32_t low[4], high[4];
+    uint64_t rows = 1;
+    units_of(r->scale, b->min, low);
+    units_of(r->scale, b->max, high);
+    for (uint32_t k = 0; k < 2; k++) {
+        range->low[k] = low[r->axis[1 + k]];
+        range->high[k] = high[r->axis[1 + k]];
+        uint64_t wide = (uint64_t)((int64_t)range->high[k] - range->low[k]) + 1;
+        if (wide >= r->count[k]) {
+            range->low[k] = -CELL_LIMIT; /* all around, starting below every other */
+            range->high[k] = (int32_t)r->count[k] - 1 - CELL_LIMIT;
+            wide = r->count[k];
+        }
+        rows *= wide;
+    }
+    return rows;
+}
+
+/* Counts the boxes of each row into `end`, and puts the wide ones aside. Returns the
+ * number of entries in all rows. */
+static size_t count_rows(struct jump *j)
+{
+    const struct rows *r = &j->grid->rows;
+    size_t entries = 0, kept = 0;
+    memset(j->end, 0, (size_t)r->count[0] * r->count[1] * sizeof *j->end);
+    for (size_t i = 0; i < j->n; i++) {
+        uint32_t slot = key_box(j->order[i]);
+        struct row_range *range = &j->range[slot];
+        uint64_t rows = range_rows(r, &j->job->boxes->at[slot].now, range);
+        if (rows > MOST_ROWS) {
+            j->wide[j->n_wide++] = slot;
+            continue;
+        }
+        j->order[kept++] = j->order[i];
+        entries += rows;
+        for (int32_t z = range->low[1]; z <= range->high[1]; z++)
+            for (int32_t y = range->low[0]; y <= range->high[0]; y++) j->end[row_at(r, y, z)]++;
+    }
+    j->n = kept;
+    return entries;
+}
+
+static void fill_rows(struct jump *j)
+{
+    const struct rows *r = &j->grid->rows;
+    size_t rows = (size_t)r->count[0] * r->count[1];
+    uint32_t start = 0;
+    for (size_t i = 0; i < rows; i++) {
+        uint32_t n = j->end[i];
+        j->end[i] = start; /* and moves to the end as the row is filled */
+        start += n;
+    }
+    for (size_t i = 0; i < j->n; i++) {
+        uint32_t slot = key_box(j->order[i]);
+        const struct row_range *range = &j->range[slot];
+        for (int32_t z = range->low[1]; z <= range->high[1]; z++)
+            for (int32_t y = range->low[0]; y <= range->high[0]; y++)
+                row_set_put(&j->set, j->end[row_at(r, y, z)]++, &j->job->boxes->at[slot].now, r->axis, slot);
+    }
+}
+
+/* --------------------------------------------------------------- steps 3, 4 */
+
+static int is_meeting_row(const struct jump *j, size_t row, uint32_t a, uint32_t b)
+{
+    const int32_t *p = j->range[a].low, *q = j->range[b].low;
+    return row_at(&j->grid->rows, p[0] > q[0] ? p[0] : q[0], p[1] > q[1] ? p[1] : q[1]) == row;
+}
+
+/* Sweeps rows first ... last - 1. */
+static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct jump *j = context;
+    for (size_t row = first; row < last; row++) {
+        uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
+        for (uint32_t i = start; i + 1 < end; i++) {
+            size_t n = j->grid->sweep_row(&j->set, i, end, w->found);
+            for (size_t f = 0; f < n; f++)
+                if (is_meeting_row(j, row, j->set.id[i], w->found[f])) settle(&w->settler, j->set.id[i], w->found[f]);
+        }
+    }
+}
+
+/* Tests wide boxes first ... last - 1 against all. */
+static void test_wide(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct jump *j = context;
+    for (size_t i = first; i < last; i++) {
+        for (size_t other = 0; other < i; other++) settle(&w->settler, j->wide[i], j->wide[other]);
+        for (size_t other = 0; other < j->n; other++)
+            settle(&w->settler, j->wide[i], key_box(j->order[other]));
+    }
+}
+
+/* ---------------------------------------------------------------- the whole */
+
+/* Cuts the arrays of a call out of scratch memory. Returns 0 without it. */
+static int place_arrays(struct jump *j)
+{
+    size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
+    size_t words = 2 * slots + 2 * slots + slots / 2 + 1 + rows / 2 + 1;
+    uint64_t *at = scratch_get(j->job->scratch, j->job->memory, words);
+    if (!at) return 0;
+    j->order = at;
+    j->range = (struct row_range *)(void *)(at + 2 * slots);
+    j->wide = (uint32_t *)(void *)(at + 4 * slots);
+    j->end = (uint32_t *)(void *)(at + 4 * slots + slots / 2 + 1);
+    return 1;
+}
+
+/* Touches all pairs that overlap and all that did. Returns 0 without memory. */
+int grid_jump(struct grid *g, struct job *job)
+{
+    struct jump j = {.grid = g, .job = job};
+    struct rows *r = &g->rows;
+    if (layout_is_old(r->chosen_for, r->chosen_at, g->commit, job->boxes->live)) {
+        choose_rows(r, job->boxes);
+        r->chosen_at = g->commit;
+    }
+    if (!place_arrays(&j)) return 0;
+    sort_boxes(&j, j.order + job->boxes->used);
+    if (!row_set_make(&g->row_set, job->memory, count_rows(&j))) return 0;
+    j.set = g->row_set;
+    fill_rows(&j);
+    return phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&
+           phase_run(job->crew, job->memory, test_wide, &j, j.n_wide) && touch_known_pairs(job);
+}
