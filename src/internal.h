@@ -520,7 +520,6 @@ struct grid {
     size_t laid_out_for;  /* boxes when the layout was chosen; 0: no layout yet */
     uint32_t laid_out_at; /* the commit in which it was */
     size_t moves;         /* boxes that the last commit put into other cells or gave a new skin */
-    int upheaval;         /* the last commit moved most boxes */
     int is_tracking;      /* cells and lists are up to date; 0 after a commit that kept nothing */
 };
 
@@ -586,7 +585,8 @@ static inline struct cell *cell_next(struct cell_walk *w)
 struct cell *cell_at(const struct level *l, const int32_t at[3]);
 
 void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
-void skin_first(struct place *p, const struct box *b, const struct grid *g);
+void skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
+double skin_lifetime(const struct box *b);
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 

@@ -207,6 +207,8 @@ int grid_jump(struct grid *g, struct job *job)
 {
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
+    g->is_tracking = 0;
+    g->moves = job->boxes->live;
     if (layout_is_old(r->chosen_for, r->chosen_at, g->commit, job->boxes->live)) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;

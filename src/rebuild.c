@@ -41,7 +41,7 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         struct place *p = &g->place[slot];
         const struct box *b = &r->job->boxes->at[slot];
         if (!is_live(r, slot)) continue;
-        if (p->horizon == NO_HORIZON) skin_first(p, b, g);
+        if (p->horizon == NO_HORIZON) skin_first(p, b, g, (uint32_t)slot);
         else if (!contains(&p->fat, &b->now)) skin_renew(p, b, g, (uint32_t)slot, 0);
         struct range base = grid_range(g, &p->fat);
         p->level = (uint8_t)grid_level_for(base);

@@ -97,12 +97,26 @@ void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint
     for (uint32_t k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
 }
 
-/* A box that comes into the grid has no past, hence no skin but a margin that is given;
- * its first own skin is as good as its last was old. */
-void skin_first(struct place *p, const struct box *b, const struct grid *g)
+/* For how many commits the skin would last that a box got for its motion in this one. */
+double skin_lifetime(const struct box *b)
 {
+    struct motion m = motion_of(b);
+    double horizon = HORIZON_MOST;
+    if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
+    return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
+}
+
+/* A box that comes into the grid has no past to learn from. Unless it is static it
+ * gets, besides a margin that is given, up to an eighth of its size on all sides. */
+void skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
+{
+    float margin = g->config->margin;
     p->horizon = HORIZON_FIRST;
     p->wobble = 1;
-    p->since = g->commit - HORIZON_MOST;
-    p->fat = g->config->margin > 0 ? bounds_widened(&b->now, g->config->margin) : b->now;
+    p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
+    if (margin == MSAP_MARGIN_AUTO && !(b->flags & BOX_STATIC)) {
+        double size = motion_of(b).size * (spread(slot, g->commit) - 0.5) / 4;
+        margin = size < 1e30 ? (float)size : 0;
+    }
+    p->fat = margin > 0 ? bounds_widened(&b->now, margin) : b->now;
 }

@@ -86,7 +86,7 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
     if (p->level == NO_LEVEL) {
-        skin_first(p, b, g);
+        skin_first(p, b, g, slot);
         struct range base = grid_range(g, &p->fat);
         p->level = (uint8_t)grid_level_for(base);
         return grid_put(g, job->memory, slot, is_static(b), base);
@@ -219,11 +219,28 @@ static int touch_neighbours(struct grid *g, struct job *job)
 
 /* ---------------------------------------------------------------- choosing */
 
-/* Whether so many boxes must be put elsewhere that to rebuild is cheaper. */
-static int is_upheaval(const struct grid *g, const struct box_table *t, size_t misplaced, uint32_t strategy)
+/* What putting one box elsewhere costs, in boxes pruned when all are (jump.c). From
+ * bench/strategies. */
+enum { COST_OF_A_MOVE = 7 };
+
+/* How many boxes would be misplaced in each commit if all moved on as in this one and
+ * had their skins: estimated from some of the changed boxes. Those that come do not
+ * count: who knows whether they will move. */
+static double estimate_moves(const struct box_table *t)
 {
-    if (g->laid_out_for == 0 || strategy == MSAP_STRATEGY_SWEEP) return 1;
-    return strategy == MSAP_STRATEGY_AUTO && misplaced > 64 && misplaced * 2 > t->live;
+    enum { SAMPLES = 64 };
+    size_t step = t->n_changed / SAMPLES + 1, n = 0;
+    double moves = 0;
+    for (size_t i = 0; i < t->n_changed; i += step, n++) {
+        const struct box *b = &t->at[t->changed[i]];
+        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1 / skin_lifetime(b);
+    }
+    return n ? moves * (double)t->n_changed / (double)n : 0;
+}
+
+static int is_jumpy(const struct box_table *t)
+{
+    return estimate_moves(t) * COST_OF_A_MOVE > (double)t->live && t->live > 64;
 }
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
@@ -235,12 +252,11 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     return renew_lists(g, job, job->boxes->changed + gone, misplaced - gone) && touch_neighbours(g, job);
 }
 
-/* Most boxes jump in one commit after another: keep nothing. */
-static int jump(struct grid *g, struct job *job)
+/* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
+ * or so many boxes must be put elsewhere that it is cheaper. */
+static int is_upheaval(const struct grid *g, const struct box_table *t, size_t misplaced)
 {
-    g->is_tracking = 0;
-    g->moves = job->boxes->live;
-    return grid_jump(g, job);
+    return !g->is_tracking || (misplaced > 64 && misplaced * COST_OF_A_MOVE > t->live * 2);
 }
 
 /* Returns the strategy that was taken, or 0 without memory: then the grid must be
@@ -249,13 +265,12 @@ uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 2048 };
     size_t misplaced = misplaced_first(g, job->boxes);
-    int upheaval = is_upheaval(g, job->boxes, misplaced, strategy), again = g->upheaval;
+    int is_auto = strategy == MSAP_STRATEGY_AUTO;
     g->commit++;
-    g->upheaval = upheaval;
-    if (upheaval && again) return jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
-    if (upheaval || !g->is_tracking)
+    if (is_auto && is_upheaval(g, job->boxes, misplaced) && is_jumpy(job->boxes))
+        return grid_jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || (is_auto && is_upheaval(g, job->boxes, misplaced)))
         return grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
-    if (strategy == MSAP_STRATEGY_AUTO)
-        strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
+    if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }
