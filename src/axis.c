@@ -13,7 +13,6 @@
  * be, and neighbours are in the same cache line (I.2). */
 #include "internal.h"
 
-
 static void put_sentinels(struct axis *x, size_t stored)
 {
     x->key[0] = 0;
@@ -21,25 +20,25 @@ static void put_sentinels(struct axis *x, size_t stored)
 }
 
 /* Room for the end points of boxes in slots below `slots`. */
-int axis_reserve(struct axis *x, struct memory *m, size_t slots)
+int msap_axis_reserve(struct axis *x, struct memory *m, size_t slots)
 {
     if (slots > SIZE_MAX / 2 - 1) return 0;
     int is_first = x->room_key == 0;
-    if (!memory_reserve(m, &x->key, &x->room_key, 2 * slots + 2, x->room_key, sizeof *x->key)) return 0;
+    if (!msap_memory_reserve(m, &x->key, &x->room_key, 2 * slots + 2, x->room_key, sizeof *x->key)) return 0;
     if (is_first) put_sentinels(x, 0);
-    return memory_reserve(m, &x->rank, &x->room_rank, 2 * slots, x->room_rank, sizeof *x->rank);
+    return msap_memory_reserve(m, &x->rank, &x->room_rank, 2 * slots, x->room_rank, sizeof *x->rank);
 }
 
-void axis_trim(struct axis *x, struct memory *m, size_t slots)
+void msap_axis_trim(struct axis *x, struct memory *m, size_t slots)
 {
-    memory_shrink(m, &x->key, &x->room_key, 2 * slots + 2, sizeof *x->key);
-    memory_shrink(m, &x->rank, &x->room_rank, 2 * slots, sizeof *x->rank);
+    msap_memory_shrink(m, &x->key, &x->room_key, 2 * slots + 2, sizeof *x->key);
+    msap_memory_shrink(m, &x->rank, &x->room_rank, 2 * slots, sizeof *x->rank);
 }
 
-void axis_free(struct axis *x, struct memory *m)
+void msap_axis_free(struct axis *x, struct memory *m)
 {
-    memory_free(m, x->key, x->room_key, sizeof *x->key);
-    memory_free(m, x->rank, x->room_rank, sizeof *x->rank);
+    msap_memory_free(m, x->key, x->room_key, sizeof *x->key);
+    msap_memory_free(m, x->rank, x->room_rank, sizeof *x->rank);
     memset(x, 0, sizeof *x);
 }
 
@@ -51,7 +50,7 @@ static void put(struct axis *x, size_t at, uint64_t key)
 
 /* Batch deletion: of the end points of `stored` boxes, drops those of boxes without
  * BOX_STORED (the tag of paper I.5b) in one pass. */
-void axis_drop(struct axis *x, size_t stored, const struct box *boxes)
+void msap_axis_drop(struct axis *x, size_t stored, const struct box *boxes)
 {
     size_t kept = 1;
     for (size_t i = 1; i <= 2 * stored; i++)
@@ -61,7 +60,7 @@ void axis_drop(struct axis *x, size_t stored, const struct box *boxes)
 
 /* Batch insertion: merges n sorted keys into those of `stored` boxes, from the back,
  * so that every key moves once (paper I.4b). */
-void axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n)
+void msap_axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n)
 {
     size_t old = 2 * stored, to = old + n;
     put_sentinels(x, stored + n / 2);
@@ -76,17 +75,17 @@ void axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n)
 }
 
 /* Sorts the keys at 1 ... 2 * stored, whatever their order; scratch as in sort_keys. */
-void axis_sort(struct axis *x, size_t stored, uint64_t *scratch)
+void msap_axis_sort(struct axis *x, size_t stored, uint64_t *scratch)
 {
     put_sentinels(x, stored);
-    sort_keys(x->key + 1, 2 * stored, scratch);
+    msap_sort_keys(x->key + 1, 2 * stored, scratch);
     for (size_t i = 1; i <= 2 * stored; i++) x->rank[key_end(x->key[i])] = (uint32_t)i;
 }
 
 /* The first broken invariant of axis k over boxes that are stored, or NULL. The
  * array holds the bounds that its boxes had when they were last brought up to date:
  * `before` or, if a commit has failed since, something later. */
-const char *axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k)
+const char *msap_axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k)
 {
     if (x->room_key == 0) return stored ? "an axis has no array" : NULL;
     if (x->key[0] != 0 || x->key[2 * stored + 1] != UINT64_MAX) return "a sentinel of an axis is damaged";

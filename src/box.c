@@ -24,7 +24,7 @@ static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
     return slot;
 }
 
-void boxes_init(struct box_table *t)
+void msap_boxes_init(struct box_table *t)
 {
     struct box_table empty = {0};
     empty.removed.head = empty.removed.tail = NONE;
@@ -33,18 +33,18 @@ void boxes_init(struct box_table *t)
     *t = empty;
 }
 
-void boxes_free(struct box_table *t, struct memory *m)
+void msap_boxes_free(struct box_table *t, struct memory *m)
 {
-    memory_free(m, t->at, t->room, sizeof *t->at);
-    memory_free(m, t->user_data, t->room_user_data, sizeof *t->user_data);
-    memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
+    msap_memory_free(m, t->at, t->room, sizeof *t->at);
+    msap_memory_free(m, t->user_data, t->room_user_data, sizeof *t->user_data);
+    msap_memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
 }
 
-int boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
+int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
 {
-    return memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
-           memory_reserve(m, &t->user_data, &t->room_user_data, slots, t->used, sizeof *t->user_data) &&
-           memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
+    return msap_memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
+           msap_memory_reserve(m, &t->user_data, &t->room_user_data, slots, t->used, sizeof *t->user_data) &&
+           msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
 }
 
 static int is_free(const struct box *b) { return b->flags == 0 && b->generation != 0; }
@@ -66,16 +66,16 @@ static void forget_slots(struct box_table *t)
 }
 
 /* Gives back what the boxes do not need. */
-void boxes_trim(struct box_table *t, struct memory *m)
+void msap_boxes_trim(struct box_table *t, struct memory *m)
 {
     forget_slots(t);
-    memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
-    memory_shrink(m, &t->user_data, &t->room_user_data, t->used, sizeof *t->user_data);
-    memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
+    msap_memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
+    msap_memory_shrink(m, &t->user_data, &t->room_user_data, t->used, sizeof *t->user_data);
+    msap_memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
 }
 
 /* How many slots the table needs to take k more boxes. */
-size_t boxes_slots_for(const struct box_table *t, size_t k)
+size_t msap_boxes_slots_for(const struct box_table *t, size_t k)
 {
     size_t free = 0;
     for (uint32_t slot = t->free.head; slot != NONE && free < k; slot = t->at[slot].next) free++;
@@ -83,7 +83,7 @@ size_t boxes_slots_for(const struct box_table *t, size_t k)
 }
 
 /* The box of a handle if it has one of the flags, or NULL. */
-struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
+struct box *msap_box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
 {
     uint32_t slot = slot_of(handle), generation = (uint32_t)handle;
     if (slot >= t->used || generation == 0) return NULL;
@@ -106,7 +106,7 @@ static uint32_t take_slot(struct box_table *t)
 }
 
 /* The table has room. Returns the slot. */
-uint32_t box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
+uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
     uint32_t slot = take_slot(t);
     struct box *b = &t->at[slot];
@@ -118,13 +118,13 @@ uint32_t box_add(struct box_table *t, const struct bounds *bounds, uint32_t flag
     return slot;
 }
 
-void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
+void msap_box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
 {
     t->at[slot].now = *bounds;
     mark_changed(t, slot);
 }
 
-void box_remove(struct box_table *t, uint32_t slot)
+void msap_box_remove(struct box_table *t, uint32_t slot)
 {
     t->at[slot].flags = (t->at[slot].flags & ~(uint32_t)BOX_LIVE) | BOX_REMOVED;
     t->live--;
@@ -133,7 +133,7 @@ void box_remove(struct box_table *t, uint32_t slot)
 }
 
 /* The commit succeeded: what is now was before, and nothing is changed. */
-void boxes_committed(struct box_table *t)
+void msap_boxes_committed(struct box_table *t)
 {
     for (size_t i = 0; i < t->n_changed; i++) {
         struct box *b = &t->at[t->changed[i]];
@@ -145,7 +145,7 @@ void boxes_committed(struct box_table *t)
 }
 
 /* Gives the removed slots back for use under their next generation. */
-void boxes_free_removed(struct box_table *t)
+void msap_boxes_free_removed(struct box_table *t)
 {
     while (t->removed.head != NONE) {
         uint32_t slot = queue_take(t, &t->removed);

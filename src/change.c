@@ -11,7 +11,7 @@
 static msap_status begin(msap_world *w)
 {
     if (!w) return MSAP_ERROR_NULL;
-    if (w->busy) return world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if (w->busy) return msap_world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     w->busy = 1;
     return MSAP_OK;
 }
@@ -29,41 +29,41 @@ static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, c
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        msap_status status = bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        msap_status status = msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
         if (status == MSAP_OK && flags && (flags[i] & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
-        if (status != MSAP_OK) return world_fail(w, status, i, bound);
+        if (status != MSAP_OK) return msap_world_fail(w, status, i, bound);
     }
     return MSAP_OK;
 }
 
 static msap_status reserve(msap_world *w, size_t k)
 {
-    size_t slots = boxes_slots_for(&w->boxes, k);
+    size_t slots = msap_boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
-    if (!boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
-    int done = is_grid(&w->config)
-                   ? grid_reserve(&w->grid, &w->memory, slots) && crew_reserve(&w->crew, &w->memory, slots)
-                   : sap_reserve(&w->sap, &w->memory, slots);
+    if (!msap_boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
+    int done = is_grid(&w->config) ? msap_grid_reserve(&w->grid, &w->memory, slots) &&
+                                         msap_crew_reserve(&w->crew, &w->memory, slots)
+                                   : msap_sap_reserve(&w->sap, &w->memory, slots);
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
 static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags,
                             void *const *user_data, msap_handle *handles)
 {
-    msap_status status = boxes_check(boxes, k);
+    msap_status status = msap_boxes_check(boxes, k);
     size_t places = w->config.max_boxes - w->boxes.live;
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
-    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
-    if (k > places) return world_fail(w, MSAP_ERROR_FULL, places, MSAP_NO_BOUND);
+    if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
+    if (k > places) return msap_world_fail(w, MSAP_ERROR_FULL, places, MSAP_NO_BOUND);
     status = check_new(w, k, boxes, flags);
     if (status != MSAP_OK) return status;
     status = reserve(w, k);
-    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
+    if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        uint32_t slot = box_add(&w->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
+        msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        uint32_t slot = msap_box_add(&w->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
         handles[i] = handle_of(&w->boxes, slot);
     }
     return MSAP_OK;
@@ -79,7 +79,7 @@ msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, 
 msap_status msap_add(msap_world *world, const float *min, const float *max, uint32_t flags, void *user_data,
                      msap_handle *handle)
 {
-    msap_boxes one = boxes_of_one(min, max);
+    msap_boxes one = msap_boxes_of_one(min, max);
     return msap_add_many(world, 1, &one, &flags, &user_data, handle);
 }
 
@@ -105,14 +105,14 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
-        msap_status status = b ? bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
+        struct box *b = msap_box_find(&w->boxes, handles[i], BOX_LIVE);
+        msap_status status = b ? msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
         if (status != MSAP_OK) {
             undo_update(&w->boxes, n_changed);
-            return world_fail(w, status, i, bound);
+            return msap_world_fail(w, status, i, bound);
         }
         if (b->flags & BOX_CHANGED) ++*others;
-        else box_change(&w->boxes, slot_of(handles[i]), &bounds);
+        else msap_box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return MSAP_OK;
 }
@@ -122,15 +122,15 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
 static msap_status update_many(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes)
 {
     size_t others = 0;
-    msap_status status = boxes_check(boxes, k);
+    msap_status status = msap_boxes_check(boxes, k);
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
-    if (status != MSAP_OK) return world_fail(w, status, 0, MSAP_NO_BOUND);
+    if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
     status = update_unchanged(w, k, handles, boxes, &others);
     for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        box_change(&w->boxes, slot_of(handles[i]), &bounds);
+        msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        msap_box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return status;
 }
@@ -143,7 +143,7 @@ msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *han
 
 msap_status msap_update(msap_world *world, msap_handle handle, const float *min, const float *max)
 {
-    msap_boxes one = boxes_of_one(min, max);
+    msap_boxes one = msap_boxes_of_one(min, max);
     return msap_update_many(world, 1, &handle, &one);
 }
 
@@ -154,10 +154,10 @@ msap_status msap_update(msap_world *world, msap_handle handle, const float *min,
 static msap_status check_remove(msap_world *w, size_t k, const msap_handle *handles)
 {
     for (size_t i = 0; i < k; i++) {
-        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        struct box *b = msap_box_find(&w->boxes, handles[i], BOX_LIVE);
         if (!b) {
             for (size_t j = 0; j < i; j++) w->boxes.at[slot_of(handles[j])].flags |= BOX_LIVE;
-            return world_fail(w, MSAP_ERROR_HANDLE, i, MSAP_NO_BOUND);
+            return msap_world_fail(w, MSAP_ERROR_HANDLE, i, MSAP_NO_BOUND);
         }
         b->flags &= ~(uint32_t)BOX_LIVE;
     }
@@ -166,9 +166,9 @@ static msap_status check_remove(msap_world *w, size_t k, const msap_handle *hand
 
 static msap_status remove_many(msap_world *w, size_t k, const msap_handle *handles)
 {
-    if (k > 0 && !handles) return world_fail(w, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
+    if (k > 0 && !handles) return msap_world_fail(w, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
     msap_status status = check_remove(w, k, handles);
-    for (size_t i = 0; i < k && status == MSAP_OK; i++) box_remove(&w->boxes, slot_of(handles[i]));
+    for (size_t i = 0; i < k && status == MSAP_OK; i++) msap_box_remove(&w->boxes, slot_of(handles[i]));
     return status;
 }
 

@@ -17,8 +17,8 @@
 
 static void sort_events(struct keys *events, struct scratch *scratch, struct memory *m)
 {
-    sort_keys(events->at, events->n, events->n > 0 ? scratch_get(scratch, m, events->room) : NULL);
-    events->n = unique_keys(events->at, events->n);
+    msap_sort_keys(events->at, events->n, events->n > 0 ? msap_scratch_get(scratch, m, events->room) : NULL);
+    events->n = msap_unique_keys(events->at, events->n);
 }
 
 /* Brings axes or cells up to date. Returns the strategy that did, or 0 if there was no
@@ -26,9 +26,9 @@ static void sort_events(struct keys *events, struct scratch *scratch, struct mem
 static uint32_t update(msap_world *w, struct job *job)
 {
     uint32_t strategy = w->stale ? MSAP_STRATEGY_SWEEP : w->config.strategy;
-    if (is_grid(&w->config)) return grid_update(&w->grid, job, strategy);
-    if (strategy == MSAP_STRATEGY_AUTO) strategy = sap_choose(&w->sap, job);
-    sap_update(&w->sap, job, strategy);
+    if (is_grid(&w->config)) return msap_grid_update(&w->grid, job, strategy);
+    if (strategy == MSAP_STRATEGY_AUTO) strategy = msap_sap_choose(&w->sap, job);
+    msap_sap_update(&w->sap, job, strategy);
     return strategy;
 }
 
@@ -51,7 +51,7 @@ static msap_status find_events(msap_world *w)
     w->strategy_used[strategy]++;
     if (strategy == 0) {
         forget_events(s);
-        touch_all_boxes(&job);
+        msap_touch_all_boxes(&job);
     }
     if (s->lost) return MSAP_ERROR_MEMORY;
     sort_events(&s->fresh, &w->scratch, &w->memory);
@@ -66,8 +66,8 @@ static msap_status reserve_events(msap_world *w)
     size_t active = w->pairs.active - s->doomed.n + s->fresh.n;
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (s->fresh.n == 0) return MSAP_OK;
-    if (!pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n)) return MSAP_ERROR_MEMORY;
-    return keys_reserve(&s->doomed, &w->memory, w->pairs.most_active) ? MSAP_OK : MSAP_ERROR_MEMORY;
+    if (!msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n)) return MSAP_ERROR_MEMORY;
+    return msap_keys_reserve(&s->doomed, &w->memory, w->pairs.most_active) ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
 /* Steps 1 to 4. */
@@ -83,8 +83,8 @@ static msap_status apply_changes(msap_world *w)
             return status;
         }
     }
-    pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
-    boxes_committed(&w->boxes);
+    msap_pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
+    msap_boxes_committed(&w->boxes);
     w->commits++;
     return MSAP_OK;
 }
@@ -96,7 +96,7 @@ static void trim_if_idle(msap_world *w)
     int is_idle = w->boxes.room > LITTLE && w->boxes.live < w->boxes.room / FAR_LESS;
     w->idle_commits = is_idle ? w->idle_commits + 1 : 0;
     if (w->idle_commits < LONG || w->pairs.created + w->pairs.deleted > 0) return;
-    world_trim(w);
+    msap_world_trim(w);
     w->idle_commits = 0;
 }
 
@@ -118,18 +118,19 @@ static void call_back(msap_world *w, const msap_callbacks *callbacks)
 msap_status msap_commit(msap_world *world, const msap_callbacks *callbacks, msap_counts *counts)
 {
     if (!world) return MSAP_ERROR_NULL;
-    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    if ((callbacks && callbacks->struct_size != sizeof *callbacks) || (counts && counts->struct_size != sizeof *counts))
-        return world_fail(world, MSAP_ERROR_STRUCT_SIZE, 0, MSAP_NO_BOUND);
+    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if ((callbacks && callbacks->struct_size != sizeof *callbacks) ||
+        (counts && counts->struct_size != sizeof *counts))
+        return msap_world_fail(world, MSAP_ERROR_STRUCT_SIZE, 0, MSAP_NO_BOUND);
     world->busy = 1;
     msap_status status = apply_changes(world);
     if (status == MSAP_OK) {
         if (callbacks) call_back(world, callbacks);
-        boxes_free_removed(&world->boxes);
+        msap_boxes_free_removed(&world->boxes);
         trim_if_idle(world);
     }
     world->busy = 0;
-    if (status != MSAP_OK) return world_fail(world, status, 0, MSAP_NO_BOUND);
+    if (status != MSAP_OK) return msap_world_fail(world, status, 0, MSAP_NO_BOUND);
     if (counts) {
         counts->created = world->pairs.created;
         counts->deleted = world->pairs.deleted;

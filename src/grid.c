@@ -26,7 +26,7 @@ static const float MOST_UNITS = 1073741824.0f, LEAST_UNITS = 1.0f / 1073741824.0
 
 /* floor(x * scale) on all axes. */
 #if defined(__SSE2__)
-void units_of(const float scale[4], const int32_t *ordered, int32_t *units)
+void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units)
 {
     __m128i bits = load_bounds(ordered);
     bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
@@ -41,7 +41,7 @@ void units_of(const float scale[4], const int32_t *ordered, int32_t *units)
     _mm_storeu_si128((__m128i *)(void *)units, whole);
 }
 #else
-void units_of(const float scale[4], const int32_t *ordered, int32_t *units)
+void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units)
 {
     for (int k = 0; k < 3; k++) {
         float x = float_from_bits(float_bits_from_ordered(ordered[k]));
@@ -61,12 +61,12 @@ static int32_t floor_divide(int32_t a, int32_t b)
 }
 
 /* The cells of level 0 that a box touches. */
-struct range grid_range(const struct grid *g, const struct bounds *b)
+struct range msap_grid_range(const struct grid *g, const struct bounds *b)
 {
     struct range r;
     int32_t low[4], high[4];
-    units_of(g->scale, b->min, low);
-    units_of(g->scale, b->max, high);
+    msap_units_of(g->scale, b->min, low);
+    msap_units_of(g->scale, b->max, high);
     for (int k = 0; k < 3; k++) {
         r.low[k] = g->is_told ? floor_divide(low[k] - g->origin[k], g->width[k]) : low[k];
         r.high[k] = g->is_told ? floor_divide(high[k] - g->origin[k], g->width[k]) : high[k];
@@ -76,7 +76,7 @@ struct range grid_range(const struct grid *g, const struct bounds *b)
 
 /* The same on another level, without naming a wrapped cell twice: a range around all
  * cells starts below every other. */
-struct range grid_range_on(const struct grid *g, struct range base, uint32_t level)
+struct range msap_grid_range_on(const struct grid *g, struct range base, uint32_t level)
 {
     const struct level *l = &g->level[level];
     uint32_t shift = LEVEL_SHIFT * level;
@@ -101,7 +101,7 @@ static uint64_t cells_in(struct range r, uint32_t shift)
 }
 
 /* The finest level on which a box touches no more than MOST_CELLS. */
-uint32_t grid_level_for(struct range base)
+uint32_t msap_grid_level_for(struct range base)
 {
     uint32_t level = 0;
     while (level < TOP && cells_in(base, LEVEL_SHIFT * level) > MOST_CELLS) level++;
@@ -114,19 +114,19 @@ static struct cell *row_of(const struct level *l, int32_t y, int32_t z)
     return l->cell + (wrap(z, l->count[2]) * (size_t)l->count[1] + wrap(y, l->count[1])) * l->count[0];
 }
 
-struct cell *cell_at(const struct level *l, const int32_t at[3])
+struct cell *msap_cell_at(const struct level *l, const int32_t at[3])
 {
     return row_of(l, at[1], at[2]) + wrap(at[0], l->count[0]);
 }
 
-struct cell_walk cell_walk(const struct level *l, struct range r)
+struct cell_walk msap_cell_walk(const struct level *l, struct range r)
 {
     struct cell_walk w = {l, r, r.low[0], r.low[1], r.low[2], row_of(l, r.low[1], r.low[2])};
     return w;
 }
 
 /* Goes to the next row of the range; returns 0 behind the last. */
-int cell_walk_row(struct cell_walk *w)
+int msap_cell_walk_row(struct cell_walk *w)
 {
     if (++w->y > w->range.high[1]) {
         w->y = w->range.low[1];
@@ -140,25 +140,25 @@ int cell_walk_row(struct cell_walk *w)
 /* -------------------------------------------------------------- life and end */
 
 /* The config lives as long as the grid. */
-void grid_init(struct grid *g, const msap_config *config)
+void msap_grid_init(struct grid *g, const msap_config *config)
 {
     memset(g, 0, sizeof *g);
     g->config = config;
-    g->sweep = sweep_for(config->simd);
-    g->sweep_row = sweep_row_for(config->simd);
-    pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
-    pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
+    g->sweep = msap_sweep_for(config->simd);
+    g->sweep_row = msap_sweep_row_for(config->simd);
+    msap_pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
+    msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }
 
 /* Room for boxes in slots below `slots`. */
-int grid_reserve(struct grid *g, struct memory *m, size_t slots)
+int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
 {
     size_t had = g->slots;
     if (slots <= had) return 1;
     if (slots > SIZE_MAX / 2 - 8) return 0;
-    if (!memory_reserve(m, &g->place, &g->room_place, slots, had, sizeof *g->place) ||
-        !memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
-        !memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag))
+    if (!msap_memory_reserve(m, &g->place, &g->room_place, slots, had, sizeof *g->place) ||
+        !msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
+        !msap_memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag))
         return 0;
     for (size_t slot = had; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
     memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
@@ -168,39 +168,39 @@ int grid_reserve(struct grid *g, struct memory *m, size_t slots)
 }
 
 /* Empties all cells and lists. */
-void grid_empty(struct grid *g, struct memory *m)
+void msap_grid_empty(struct grid *g, struct memory *m)
 {
-    for (size_t i = 0; i < g->n_cells; i++) cell_drop(&g->cell[i], &g->pool, m);
-    pool_empty(&g->pool);
+    for (size_t i = 0; i < g->n_cells; i++) msap_cell_drop(&g->cell[i], &g->pool, m);
+    msap_pool_empty(&g->pool);
     for (uint32_t level = 0; level < LEVELS; level++) g->level[level].boxes = 0;
-    near_empty(&g->near, m, g->slots);
+    msap_near_empty(&g->near, m, g->slots);
     for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
     g->is_tracking = 0;
 }
 
 /* Gives back all that boxes in slots below `slots` do not need; the next commit makes
  * cells and lists anew. */
-void grid_trim(struct grid *g, struct memory *m, size_t slots)
+void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
 {
-    grid_empty(g, m);
-    pool_free(&g->pool, m);
-    pool_free(&g->near.pool, m);
+    msap_grid_empty(g, m);
+    msap_pool_free(&g->pool, m);
+    msap_pool_free(&g->near.pool, m);
     g->n_cells = 0;
     g->laid_out_for = 0;
-    row_set_free(&g->row_set, m);
-    memory_resize(m, &g->cell, &g->room_cell, 0, 0, sizeof *g->cell);
+    msap_row_set_free(&g->row_set, m);
+    msap_memory_resize(m, &g->cell, &g->room_cell, 0, 0, sizeof *g->cell);
     g->slots = slots;
-    memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);
-    memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
-    memory_shrink(m, &g->tag, &g->room_tag, slots, sizeof *g->tag);
+    msap_memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);
+    msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
+    msap_memory_shrink(m, &g->tag, &g->room_tag, slots, sizeof *g->tag);
 }
 
-void grid_free(struct grid *g, struct memory *m)
+void msap_grid_free(struct grid *g, struct memory *m)
 {
-    grid_trim(g, m, g->slots);
-    memory_free(m, g->place, g->room_place, sizeof *g->place);
-    memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
-    memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
+    msap_grid_trim(g, m, g->slots);
+    msap_memory_free(m, g->place, g->room_place, sizeof *g->place);
+    msap_memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
+    msap_memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
     memset(g, 0, sizeof *g);
 }
 
@@ -208,24 +208,24 @@ void grid_free(struct grid *g, struct memory *m)
 
 /* Puts a box, whose place has its fat bounds and level, into its cells: base, as
  * grid_range gives them. Returns 0 without memory. */
-int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
+int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
     struct level *l = &g->level[p->level];
-    struct cell_walk w = cell_walk(l, grid_range_on(g, base, p->level));
+    struct cell_walk w = msap_cell_walk(l, msap_grid_range_on(g, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;)
-        if (!cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
+        if (!msap_cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
     l->boxes++;
     return 1;
 }
 
 /* Takes a box out of its cells. */
-void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
+void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
     struct level *l = &g->level[p->level];
-    struct cell_walk w = cell_walk(l, grid_range_on(g, base, p->level));
-    for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_remove(c, &g->pool, m, slot, is_static);
+    struct cell_walk w = msap_cell_walk(l, msap_grid_range_on(g, base, p->level));
+    for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
     l->boxes--;
     p->level = NO_LEVEL;
 }
@@ -235,17 +235,18 @@ static int same_range(const struct range *a, const struct range *b) { return mem
 /* Brings the cells of a box up to date with its new fat bounds. Cells left, kept and
  * entered (paper II.3c): mostly all are kept, else all are left and entered. Returns 0
  * without memory. */
-int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from, struct range to)
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
+                   struct range to)
 {
     struct place *p = &g->place[slot];
     if (same_range(&from, &to)) {
-        struct cell_walk w = cell_walk(&g->level[p->level], grid_range_on(g, to, p->level));
-        for (struct cell *c; (c = cell_next(&w)) != NULL;) cell_update(c, &p->fat, slot, is_static);
+        struct cell_walk w = msap_cell_walk(&g->level[p->level], msap_grid_range_on(g, to, p->level));
+        for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_update(c, &p->fat, slot, is_static);
         return 1;
     }
-    grid_take(g, m, slot, is_static, from);
-    p->level = (uint8_t)grid_level_for(to);
-    return grid_put(g, m, slot, is_static, to);
+    msap_grid_take(g, m, slot, is_static, from);
+    p->level = (uint8_t)msap_grid_level_for(to);
+    return msap_grid_put(g, m, slot, is_static, to);
 }
 
 /* ------------------------------------------------------------------ asking */
@@ -253,24 +254,24 @@ int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, st
 /* Writes, behind each other as pairs with `self`, the boxes on levels from first_level
  * on whose fat bounds overlap those of `self`; for a static box, those that are not
  * static. A box that is met in several cells is written several times. */
-void grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level)
+void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level)
 {
     const struct bounds *fat = &g->place[self].fat;
-    struct range base = grid_range(g, fat);
+    struct range base = msap_grid_range(g, fat);
     for (uint32_t level = first_level; level < LEVELS; level++) {
         if (g->level[level].boxes == 0) continue;
-        struct cell_walk walk = cell_walk(&g->level[level], grid_range_on(g, base, level));
+        struct cell_walk walk = msap_cell_walk(&g->level[level], msap_grid_range_on(g, base, level));
         for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
             if (c->n == 0) continue;
             size_t n = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found);
             for (size_t i = 0; i < n; i++)
-                if (w->found[i] != self) worker_put(w, (uint64_t)self << 32 | w->found[i]);
+                if (w->found[i] != self) msap_worker_put(w, (uint64_t)self << 32 | w->found[i]);
         }
     }
 }
 
 /* A token that no tag carries, nor the one after it. */
-void grid_new_token(struct grid *g)
+void msap_grid_new_token(struct grid *g)
 {
     g->token += 2;
     if (g->token < UINT32_MAX - 2) return;

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-void grid_count(const struct grid *g, msap_world_stats *stats)
+void msap_grid_count(const struct grid *g, msap_world_stats *stats)
 {
     uint64_t neighbours = 0;
     stats->moves = g->moves;
@@ -25,19 +25,23 @@ void grid_count(const struct grid *g, msap_world_stats *stats)
 static uint64_t cells_of(const struct grid *g, uint32_t slot)
 {
     const struct place *p = &g->place[slot];
-    struct cell_walk w = cell_walk(&g->level[p->level], grid_range_on(g, grid_range(g, &p->fat), p->level));
+    struct cell_walk w =
+        msap_cell_walk(&g->level[p->level], msap_grid_range_on(g, msap_grid_range(g, &p->fat), p->level));
     uint64_t n = 0;
     while (cell_next(&w)) n++;
     return n;
 }
 
-static const char *row_broken(const struct grid *g, const struct box_table *boxes, const struct cell *c, uint32_t row)
+static const char *row_broken(const struct grid *g, const struct box_table *boxes, const struct cell *c,
+                              uint32_t row)
 {
     struct bounds b;
-    uint32_t slot = cell_row(c, row, &b);
-    if (slot >= boxes->used || g->place[slot].level == NO_LEVEL) return "a cell names a box that is not in the grid";
+    uint32_t slot = msap_cell_row(c, row, &b);
+    if (slot >= boxes->used || g->place[slot].level == NO_LEVEL)
+        return "a cell names a box that is not in the grid";
     if (memcmp(&b, &g->place[slot].fat, sizeof b) != 0) return "a cell has other bounds than the box's fat ones";
-    if ((row < c->n_moving) == ((boxes->at[slot].flags & BOX_STATIC) != 0)) return "a cell mixes static and moving";
+    if ((row < c->n_moving) == ((boxes->at[slot].flags & BOX_STATIC) != 0))
+        return "a cell mixes static and moving";
     return NULL;
 }
 
@@ -78,12 +82,14 @@ static const char *list_broken(const struct grid *g, const struct box_table *box
         if (other >= boxes->used || (other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
         if (!is_near(g, other, slot)) return "a box is a neighbour, but not the other way round";
         if (boxes->at[slot].flags & boxes->at[other].flags & BOX_STATIC) return "two static boxes are neighbours";
-        if (!overlap(&g->place[slot].fat, &g->place[other].fat)) return "the fat bounds of neighbours do not overlap";
+        if (!overlap(&g->place[slot].fat, &g->place[other].fat))
+            return "the fat bounds of neighbours do not overlap";
     }
     return NULL;
 }
 
-static const char *lists_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs)
+static const char *lists_broken(const struct grid *g, const struct box_table *boxes,
+                                const struct pair_table *pairs)
 {
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         const char *broken = list_broken(g, boxes, slot);
@@ -96,7 +102,7 @@ static const char *lists_broken(const struct grid *g, const struct box_table *bo
 
 /* The first broken invariant of a grid that is up to date with the last commit, or
  * NULL. */
-const char *grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs)
+const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs)
 {
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         const struct box *b = &boxes->at[slot];

@@ -42,14 +42,14 @@ struct memory {
     uint64_t bytes, peak, calls;
 };
 
-msap_status memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free, void *user);
-void *memory_alloc(struct memory *m, size_t count, size_t size);
-void memory_free(struct memory *m, void *pointer, size_t count, size_t size);
-int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
-                  size_t size);
-int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
-                   size_t size);
-void memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size);
+msap_status msap_memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free, void *user);
+void *msap_memory_alloc(struct memory *m, size_t count, size_t size);
+void msap_memory_free(struct memory *m, void *pointer, size_t count, size_t size);
+int msap_memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
+                       size_t size);
+int msap_memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
+                        size_t size);
+void msap_memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size);
 
 /* ------------------------------------------------------------------ pool.c */
 
@@ -58,18 +58,18 @@ enum { POOL_CLASSES = 8, POOL_ALIGN = 16 };
 /* Arrays of unit << class bytes; unit is a multiple of POOL_ALIGN. */
 struct pool {
     size_t unit;
-    size_t cut;         /* units of the first slab that are not handed out yet */
-    struct slab *slabs; /* in use; the first one is being cut */
-    struct slab *spare; /* not in use */
+    size_t cut;                      /* units of the first slab that are not handed out yet */
+    struct slab *slabs;              /* in use; the first one is being cut */
+    struct slab *spare;              /* not in use */
     struct slab *free[POOL_CLASSES]; /* arrays that were given back */
 };
 
-void pool_init(struct pool *p, size_t unit);
-void pool_empty(struct pool *p);
-void pool_free(struct pool *p, struct memory *m);
-int pool_is_large(unsigned class);
-void *pool_get(struct pool *p, struct memory *m, unsigned class);
-void pool_put(struct pool *p, struct memory *m, void *array, unsigned class);
+void msap_pool_init(struct pool *p, size_t unit);
+void msap_pool_empty(struct pool *p);
+void msap_pool_free(struct pool *p, struct memory *m);
+int msap_pool_is_large(unsigned class);
+void *msap_pool_get(struct pool *p, struct memory *m, unsigned class);
+void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class);
 
 /* ------------------------------------------------------------------ sort.c */
 
@@ -79,11 +79,11 @@ struct keys {
     size_t n, room;
 };
 
-int keys_reserve(struct keys *k, struct memory *m, size_t need);
-void keys_free(struct keys *k, struct memory *m);
-void sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
-void sort_values(uint64_t *key, size_t n, uint64_t *scratch);
-size_t unique_keys(uint64_t *key, size_t n);
+int msap_keys_reserve(struct keys *k, struct memory *m, size_t need);
+void msap_keys_free(struct keys *k, struct memory *m);
+void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
+void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch);
+size_t msap_unique_keys(uint64_t *key, size_t n);
 
 /* ---------------------------------------------------------------- number.c */
 
@@ -112,13 +112,13 @@ static inline float float_from_bits(uint32_t bits)
 }
 
 /* Where bounds come from: an msap_boxes with its struct_size checked. */
-msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
-                        uint32_t *bound);
-double value_of(int32_t ordered);
-int32_t ordered_outward(double value, unsigned up);
-struct bounds bounds_widened(const struct bounds *b, float margin);
-msap_boxes boxes_of_one(const float *min, const float *max);
-msap_status boxes_check(const msap_boxes *boxes, size_t k);
+msap_status msap_bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
+                             uint32_t *bound);
+double msap_value_of(int32_t ordered);
+int32_t msap_ordered_outward(double value, unsigned up);
+struct bounds msap_bounds_widened(const struct bounds *b, float margin);
+msap_boxes msap_boxes_of_one(const float *min, const float *max);
+msap_status msap_boxes_check(const msap_boxes *boxes, size_t k);
 
 #if defined(__SSE2__)
 /* Both read four values where there are three; what follows the bounds in their
@@ -141,9 +141,8 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
 
 static inline int contains(const struct bounds *outer, const struct bounds *inner)
 {
-    return (outer->min[0] <= inner->min[0]) & (inner->max[0] <= outer->max[0]) &
-           (outer->min[1] <= inner->min[1]) & (inner->max[1] <= outer->max[1]) &
-           (outer->min[2] <= inner->min[2]) & (inner->max[2] <= outer->max[2]);
+    return (outer->min[0] <= inner->min[0]) & (inner->max[0] <= outer->max[0]) & (outer->min[1] <= inner->min[1]) &
+           (inner->max[1] <= outer->max[1]) & (outer->min[2] <= inner->min[2]) & (inner->max[2] <= outer->max[2]);
 }
 
 /* ------------------------------------------------------------------- box.c */
@@ -153,7 +152,7 @@ enum {
     BOX_WAS = 2,      /* it took part in the last successful commit */
     BOX_STATIC = 4,   /* added with MSAP_STATIC */
     BOX_CHANGED = 8,  /* it is on the changed list */
-    BOX_STORED = 16, /* its end points are in the sorted axes */
+    BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64      /* within a commit: its end points were just put in, its pairs are to be found */
 };
@@ -179,7 +178,8 @@ struct box_table {
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
     size_t used;       /* slots given out so far, but for those forgotten since */
-    uint32_t first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
+    uint32_t
+        first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
     size_t room, room_user_data, room_changed;
     size_t live;
     size_t n_changed;
@@ -193,22 +193,21 @@ static inline msap_handle handle_of(const struct box_table *t, uint32_t slot)
 }
 static inline uint32_t slot_of(msap_handle handle) { return (uint32_t)(handle >> 32); }
 
-void boxes_init(struct box_table *t);
-void boxes_free(struct box_table *t, struct memory *m);
-int boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
-void boxes_trim(struct box_table *t, struct memory *m);
-size_t boxes_slots_for(const struct box_table *t, size_t k);
-struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags);
-uint32_t box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
-void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds);
-void box_remove(struct box_table *t, uint32_t slot);
-void boxes_committed(struct box_table *t);
-void boxes_free_removed(struct box_table *t);
+void msap_boxes_init(struct box_table *t);
+void msap_boxes_free(struct box_table *t, struct memory *m);
+int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
+void msap_boxes_trim(struct box_table *t, struct memory *m);
+size_t msap_boxes_slots_for(const struct box_table *t, size_t k);
+struct box *msap_box_find(const struct box_table *t, msap_handle handle, uint32_t flags);
+uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
+void msap_box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds);
+void msap_box_remove(struct box_table *t, uint32_t slot);
+void msap_boxes_committed(struct box_table *t);
+void msap_boxes_free_removed(struct box_table *t);
 
 /* ---------------------------------------------------------------- settle.c */
 
 struct job;
-
 
 /* Takes touched pairs and keeps those whose overlap changed: the one place where a
  * pair is decided. Reads the box table only. */
@@ -226,7 +225,7 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-void settle_change(struct settler *s, uint64_t key, int is);
+void msap_settle_change(struct settler *s, uint64_t key, int is);
 
 /* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
 static inline void settle(struct settler *s, uint32_t a, uint32_t b)
@@ -236,11 +235,11 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
     int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
     int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
     s->touched++;
-    if (was != is && !(both & BOX_STATIC)) settle_change(s, pair_key(a, b), is);
+    if (was != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
 }
 
-int touch_known_pairs(struct job *job);
-void touch_all_boxes(const struct job *job);
+int msap_touch_known_pairs(struct job *job);
+void msap_touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
 
@@ -252,17 +251,17 @@ struct pair_table {
     size_t room;
     size_t active, created, deleted;
     size_t most_active, most_deleted; /* so far; there is room for both at once */
-    uint32_t *slot; /* [slots] index into `at`, or NONE; linear probing, at most 3/4 full */
-    size_t slots;   /* 0 or a power of two */
+    uint32_t *slot;                   /* [slots] index into `at`, or NONE; linear probing, at most 3/4 full */
+    size_t slots;                     /* 0 or a power of two */
 };
 
-void pairs_free(struct pair_table *t, struct memory *m);
-int pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted);
-void pairs_trim(struct pair_table *t, struct memory *m);
-void pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
-                 const struct keys *doomed);
-uint32_t pairs_find(const struct pair_table *t, uint32_t a, uint32_t b);
-const char *pairs_broken(const struct pair_table *t);
+void msap_pairs_free(struct pair_table *t, struct memory *m);
+int msap_pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted);
+void msap_pairs_trim(struct pair_table *t, struct memory *m);
+void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
+                      const struct keys *doomed);
+uint32_t msap_pairs_find(const struct pair_table *t, uint32_t a, uint32_t b);
+const char *msap_pairs_broken(const struct pair_table *t);
 
 /* -------------------------------------------------------- axis.c, slide.c */
 
@@ -291,14 +290,14 @@ struct axis {
     size_t room_key, room_rank;
 };
 
-int axis_reserve(struct axis *x, struct memory *m, size_t slots);
-void axis_trim(struct axis *x, struct memory *m, size_t slots);
-void axis_slide(struct sap *s, uint32_t k, uint32_t box, const struct job *job);
-void axis_free(struct axis *x, struct memory *m);
-void axis_drop(struct axis *x, size_t stored, const struct box *boxes);
-void axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n);
-void axis_sort(struct axis *x, size_t stored, uint64_t *scratch);
-const char *axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k);
+int msap_axis_reserve(struct axis *x, struct memory *m, size_t slots);
+void msap_axis_trim(struct axis *x, struct memory *m, size_t slots);
+void msap_axis_slide(struct sap *s, uint32_t k, uint32_t box, const struct job *job);
+void msap_axis_free(struct axis *x, struct memory *m);
+void msap_axis_drop(struct axis *x, size_t stored, const struct box *boxes);
+void msap_axis_merge(struct axis *x, size_t stored, uint64_t *incoming, size_t n);
+void msap_axis_sort(struct axis *x, size_t stored, uint64_t *scratch);
+const char *msap_axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k);
 
 /* ------------------------------------------------------------------- sap.c */
 
@@ -315,7 +314,7 @@ struct scratch {
     uint64_t *at;
     size_t room;
 };
-void *scratch_get(struct scratch *s, struct memory *m, size_t words);
+void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words);
 #define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for whatever is done to all boxes */
 
 /* What a commit works on. */
@@ -329,13 +328,13 @@ struct job {
     uint32_t filters;
 };
 
-void sap_init(struct sap *s, uint32_t dims);
-void sap_free(struct sap *s, struct memory *m);
-int sap_reserve(struct sap *s, struct memory *m, size_t slots);
-void sap_trim(struct sap *s, struct memory *m, size_t slots);
-uint32_t sap_choose(const struct sap *s, const struct job *job);
-void sap_update(struct sap *s, struct job *job, uint32_t strategy);
-const char *sap_broken(const struct sap *s, const struct box_table *boxes);
+void msap_sap_init(struct sap *s, uint32_t dims);
+void msap_sap_free(struct sap *s, struct memory *m);
+int msap_sap_reserve(struct sap *s, struct memory *m, size_t slots);
+void msap_sap_trim(struct sap *s, struct memory *m, size_t slots);
+uint32_t msap_sap_choose(const struct sap *s, const struct job *job);
+void msap_sap_update(struct sap *s, struct job *job, uint32_t strategy);
+const char *msap_sap_broken(const struct sap *s, const struct box_table *boxes);
 
 /* ----------------------------------------------------------------- phase.c */
 
@@ -359,12 +358,12 @@ struct crew {
 
 /* Works on items first ... last - 1. */
 typedef void (*phase_fn)(void *context, struct worker *w, size_t first, size_t last);
-void crew_init(struct crew *crew, const msap_config *config);
-int crew_reserve(struct crew *crew, struct memory *m, size_t slots);
-void crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
-void crew_free(struct crew *crew, struct memory *m);
-int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n);
-void worker_put(struct worker *w, uint64_t key);
+void msap_crew_init(struct crew *crew, const msap_config *config);
+int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots);
+void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
+void msap_crew_free(struct crew *crew, struct memory *m);
+int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n);
+void msap_worker_put(struct worker *w, uint64_t key);
 
 /* ----------------------------------------------------------------- prune.c */
 
@@ -375,15 +374,16 @@ struct prune_set {
     int32_t *min[3], *max[3];
     uint32_t *id;
 };
-#define PRUNE_SET_WORDS(n) (((n) * 7 + 1) / 2) /* of 64 bits, for n boxes */
+#define PRUNE_SET_WORDS(n) (((n)*7 + 1) / 2) /* of 64 bits, for n boxes */
 
 /* Receives the pairs that are found. */
 typedef void (*prune_found)(void *context, uint32_t id_a, uint32_t id_b);
 
-void prune_set_place(struct prune_set *set, uint64_t *words, size_t n);
-void prune_set_put(struct prune_set *set, size_t row, const struct bounds *bounds, uint32_t axis, uint32_t id);
-void prune_complete(const struct prune_set *set, prune_found found, void *context);
-void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context);
+void msap_prune_set_place(struct prune_set *set, uint64_t *words, size_t n);
+void msap_prune_set_put(struct prune_set *set, size_t row, const struct bounds *bounds, uint32_t axis,
+                        uint32_t id);
+void msap_prune_within(const struct prune_set *set, prune_found found, void *context);
+void msap_prune_between(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context);
 
 /* ------------------------------------------------------------------ near.c */
 
@@ -403,11 +403,11 @@ struct near_lists {
     struct pool pool;
 };
 
-int near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other);
-void near_remove(struct near_lists *all, uint32_t self, uint32_t other);
-void near_drop(struct near_lists *all, struct memory *m, uint32_t self);
-void near_take_out(struct near_list *l, uint32_t i);
-void near_empty(struct near_lists *all, struct memory *m, size_t slots);
+int msap_near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other);
+void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
+void msap_near_drop(struct near_lists *all, struct memory *m, uint32_t self);
+void msap_near_take_out(struct near_list *l, uint32_t i);
+void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots);
 
 /* ---------------------------------------------------------- cell.c, simd.c */
 
@@ -420,18 +420,18 @@ struct cell {
     uint32_t n, n_moving, room;
 };
 
-int cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n);
-int cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
-                int is_static);
-void cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
-void cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
-void cell_drop(struct cell *c, struct pool *p, struct memory *m);
-void cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot);
-uint32_t cell_row(const struct cell *c, uint32_t row, struct bounds *b);
+int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n);
+int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
+                     int is_static);
+void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
+void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
+void msap_cell_drop(struct cell *c, struct pool *p, struct memory *m);
+void msap_cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot);
+uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b);
 
 typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
                            uint32_t *out);
-sweep_fn sweep_for(uint32_t simd);
+sweep_fn msap_sweep_for(uint32_t simd);
 
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
@@ -468,7 +468,7 @@ struct rows {
     uint32_t axis[3]; /* the sweep axis first */
     float scale[4];   /* as grid.scale */
     uint32_t count[2];
-    size_t chosen_for; /* boxes when they were chosen, and one; 0: not yet */
+    size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
 };
 
@@ -481,10 +481,10 @@ struct row_set {
 };
 enum { ROW_SLACK = 8 }; /* entries that may be read behind the last */
 
-int row_set_make(struct row_set *set, struct memory *m, size_t entries);
-void row_set_free(struct row_set *set, struct memory *m);
+int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
+void msap_row_set_free(struct row_set *set, struct memory *m);
 typedef size_t (*sweep_row_fn)(const struct row_set *set, uint32_t i, uint32_t end, uint32_t *out);
-sweep_row_fn sweep_row_for(uint32_t simd);
+sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
                                uint32_t slot)
@@ -512,32 +512,33 @@ struct grid {
     struct pool pool;    /* of the cells */
     struct place *place; /* [slots] */
     struct near_lists near;
-    uint32_t *tag;   /* [slots] within a commit: `token` marks what was found for a box */
-    size_t slots; /* of the box table that the arrays above are ready for */
+    uint32_t *tag; /* [slots] within a commit: `token` marks what was found for a box */
+    size_t slots;  /* of the box table that the arrays above are ready for */
     size_t room_place, room_tag;
     uint32_t token;
-    uint32_t commit; /* counts commits, for the age of skins */
+    uint32_t commit;      /* counts commits, for the age of skins */
     size_t laid_out_for;  /* boxes when the layout was chosen; 0: no layout yet */
     uint32_t laid_out_at; /* the commit in which it was */
     size_t moves;         /* boxes that the last commit put into other cells or gave a new skin */
     int is_tracking;      /* cells and lists are up to date; 0 after a commit that kept nothing */
 };
 
-void grid_init(struct grid *g, const msap_config *config);
-void grid_empty(struct grid *g, struct memory *m);
-void grid_free(struct grid *g, struct memory *m);
-void grid_trim(struct grid *g, struct memory *m, size_t slots);
-int grid_reserve(struct grid *g, struct memory *m, size_t slots);
-struct range grid_range(const struct grid *g, const struct bounds *b);
-struct range grid_range_on(const struct grid *g, struct range base, uint32_t level);
-uint32_t grid_level_for(struct range base);
-int grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
-void grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
-int grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from, struct range to);
-void grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
-void grid_new_token(struct grid *g);
-int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
-void units_of(const float scale[4], const int32_t *ordered, int32_t *units);
+void msap_grid_init(struct grid *g, const msap_config *config);
+void msap_grid_empty(struct grid *g, struct memory *m);
+void msap_grid_free(struct grid *g, struct memory *m);
+void msap_grid_trim(struct grid *g, struct memory *m, size_t slots);
+int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots);
+struct range msap_grid_range(const struct grid *g, const struct bounds *b);
+struct range msap_grid_range_on(const struct grid *g, struct range base, uint32_t level);
+uint32_t msap_grid_level_for(struct range base);
+int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
+void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
+                   struct range to);
+void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
+void msap_grid_new_token(struct grid *g);
+int msap_grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
+void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units);
 
 /* What a sample of the boxes says about an axis. */
 struct spread {
@@ -545,12 +546,12 @@ struct spread {
     double extent; /* most centres lie within */
     int exponent;  /* a cell is 2^exponent wide */
 };
-void spread_of(const struct box_table *boxes, struct spread s[3]);
-double power_of_two(int exponent);
-int exponent_for(double value);
-double cells_on(const struct spread *s);
-uint32_t count_for(double cells);
-int layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes);
+void msap_spread_of(const struct box_table *boxes, struct spread s[3]);
+double msap_power_of_two(int exponent);
+int msap_exponent_for(double value);
+double msap_cells_on(const struct spread *s);
+uint32_t msap_count_for(double cells);
+int msap_layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes);
 
 /* floor(a / 2^shift) */
 static inline int32_t floor_shift(int32_t a, uint32_t shift)
@@ -572,29 +573,29 @@ struct cell_walk {
     int32_t x, y, z; /* of the next cell */
     struct cell *row;
 };
-struct cell_walk cell_walk(const struct level *l, struct range r);
-int cell_walk_row(struct cell_walk *w);
+struct cell_walk msap_cell_walk(const struct level *l, struct range r);
+int msap_cell_walk_row(struct cell_walk *w);
 
 /* The next cell, or NULL. */
 static inline struct cell *cell_next(struct cell_walk *w)
 {
-    if (w->x > w->range.high[0] && !cell_walk_row(w)) return NULL;
+    if (w->x > w->range.high[0] && !msap_cell_walk_row(w)) return NULL;
     return &w->row[wrap(w->x++, w->level->count[0])];
 }
 
-struct cell *cell_at(const struct level *l, const int32_t at[3]);
+struct cell *msap_cell_at(const struct level *l, const int32_t at[3]);
 
-void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
-void skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
-double skin_lifetime(const struct box *b);
+void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
+void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
+double msap_skin_lifetime(const struct box *b);
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 
-int grid_rebuild(struct grid *g, struct job *job);
-int grid_jump(struct grid *g, struct job *job);
-uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy);
-void grid_count(const struct grid *g, msap_world_stats *stats);
-const char *grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);
+int msap_grid_rebuild(struct grid *g, struct job *job);
+int msap_grid_jump(struct grid *g, struct job *job);
+uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
+void msap_grid_count(const struct grid *g, msap_world_stats *stats);
+const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);
 
 /* ----------------------------------------------------------------- world.c */
 
@@ -617,7 +618,7 @@ struct msap_world {
     uint64_t error_index;
 };
 
-void world_trim(msap_world *w);
-msap_status world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound);
+void msap_world_trim(msap_world *w);
+msap_status msap_world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound);
 
 #endif

@@ -35,8 +35,8 @@ struct jump {
     struct row_range *range; /* [slots] */
     uint32_t *wide;          /* [n_wide] slots of the boxes of step 4 */
     size_t n, n_wide;
-    uint32_t *end;           /* [rows] behind the last box of each row */
-    struct row_set set;      /* the boxes, row after row */
+    uint32_t *end;      /* [rows] behind the last box of each row */
+    struct row_set set; /* the boxes, row after row */
 };
 
 /* ------------------------------------------------------------------ layout */
@@ -54,20 +54,20 @@ static uint32_t finest_axis(const struct spread s[3])
 static void choose_rows(struct rows *r, const struct box_table *boxes)
 {
     struct spread s[3];
-    spread_of(boxes, s);
+    msap_spread_of(boxes, s);
     double active = (double)boxes->live;
     for (uint32_t k = 0; k < 3; k++) {
-        s[k].exponent = exponent_for(2 * s[k].size);
+        s[k].exponent = msap_exponent_for(2 * s[k].size);
         if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
     }
     for (uint32_t k = 0; k < 3; k++) r->axis[k] = (finest_axis(s) + k) % 3;
     struct spread *y = &s[r->axis[1]], *z = &s[r->axis[2]];
-    for (; active < MOST_ACTIVE && cells_on(y) * cells_on(z) > 1; active *= 2)
-        ++*(cells_on(y) > cells_on(z) ? &y->exponent : &z->exponent);
+    for (; active < MOST_ACTIVE && msap_cells_on(y) * msap_cells_on(z) > 1; active *= 2)
+        ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
-        r->count[k] = count_for(cells_on(across));
-        r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)power_of_two(-across->exponent);
+        r->count[k] = msap_count_for(msap_cells_on(across));
+        r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
     r->scale[r->axis[0]] = 0;
     r->chosen_for = boxes->live + 1;
@@ -86,7 +86,7 @@ static void sort_boxes(struct jump *j, uint64_t *scratch)
     uint32_t axis = j->grid->rows.axis[0];
     for (uint32_t slot = 0; slot < t->used; slot++)
         if (t->at[slot].flags & BOX_LIVE) j->order[j->n++] = key_make(t->at[slot].now.min[axis], 0, slot);
-    sort_values(j->order, j->n, scratch);
+    msap_sort_values(j->order, j->n, scratch);
 }
 
 /* The rows that a box touches; returns how many, in 64 bits. */
@@ -94,8 +94,8 @@ static uint64_t range_rows(const struct rows *r, const struct bounds *b, struct 
 {
     int32_t low[4], high[4];
     uint64_t rows = 1;
-    units_of(r->scale, b->min, low);
-    units_of(r->scale, b->max, high);
+    msap_units_of(r->scale, b->min, low);
+    msap_units_of(r->scale, b->max, high);
     for (uint32_t k = 0; k < 2; k++) {
         range->low[k] = low[r->axis[1 + k]];
         range->high[k] = high[r->axis[1 + k]];
@@ -170,7 +170,8 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
         for (uint32_t i = start; i + 1 < end; i++) {
             size_t n = j->grid->sweep_row(&j->set, i, end, w->found);
             for (size_t f = 0; f < n; f++)
-                if (is_meeting_row(j, row, j->set.id[i], w->found[f])) settle(&w->settler, j->set.id[i], w->found[f]);
+                if (is_meeting_row(j, row, j->set.id[i], w->found[f]))
+                    settle(&w->settler, j->set.id[i], w->found[f]);
         }
     }
 }
@@ -181,8 +182,7 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
     const struct jump *j = context;
     for (size_t i = first; i < last; i++) {
         for (size_t other = 0; other < i; other++) settle(&w->settler, j->wide[i], j->wide[other]);
-        for (size_t other = 0; other < j->n; other++)
-            settle(&w->settler, j->wide[i], key_box(j->order[other]));
+        for (size_t other = 0; other < j->n; other++) settle(&w->settler, j->wide[i], key_box(j->order[other]));
     }
 }
 
@@ -193,7 +193,7 @@ static int place_arrays(struct jump *j)
 {
     size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
     size_t words = 2 * slots + 2 * slots + slots / 2 + 1 + rows / 2 + 1;
-    uint64_t *at = scratch_get(j->job->scratch, j->job->memory, words);
+    uint64_t *at = msap_scratch_get(j->job->scratch, j->job->memory, words);
     if (!at) return 0;
     j->order = at;
     j->range = (struct row_range *)(void *)(at + 2 * slots);
@@ -203,21 +203,21 @@ static int place_arrays(struct jump *j)
 }
 
 /* Touches all pairs that overlap and all that did. Returns 0 without memory. */
-int grid_jump(struct grid *g, struct job *job)
+int msap_grid_jump(struct grid *g, struct job *job)
 {
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
     g->is_tracking = 0;
     g->moves = job->boxes->live;
-    if (layout_is_old(r->chosen_for, r->chosen_at, g->commit, job->boxes->live)) {
+    if (msap_layout_is_old(r->chosen_for, r->chosen_at, g->commit, job->boxes->live)) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;
     }
     if (!place_arrays(&j)) return 0;
     sort_boxes(&j, j.order + job->boxes->used);
-    if (!row_set_make(&g->row_set, job->memory, count_rows(&j))) return 0;
+    if (!msap_row_set_make(&g->row_set, job->memory, count_rows(&j))) return 0;
     j.set = g->row_set;
     fill_rows(&j);
-    return phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&
-           phase_run(job->crew, job->memory, test_wide, &j, j.n_wide) && touch_known_pairs(job);
+    return msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&
+           msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide) && msap_touch_known_pairs(job);
 }

@@ -10,10 +10,9 @@
  * axes, towers one over one, and crowds in a cube one over three. */
 #include "internal.h"
 
-
 enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 120 };
 
-double power_of_two(int exponent)
+double msap_power_of_two(int exponent)
 {
     uint64_t bits = (uint64_t)(1023 + exponent) << 52;
     double power;
@@ -22,11 +21,11 @@ double power_of_two(int exponent)
 }
 
 /* The least exponent whose power of two is not below a value, within limits that
- * keep units_of (grid.c) right for every float. */
-int exponent_for(double value)
+ * keep msap_units_of (grid.c) right for every float. */
+int msap_exponent_for(double value)
 {
     int exponent = LEAST_EXPONENT;
-    while (exponent < MOST_EXPONENT && power_of_two(exponent) < value) exponent++;
+    while (exponent < MOST_EXPONENT && msap_power_of_two(exponent) < value) exponent++;
     return exponent;
 }
 
@@ -42,37 +41,40 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
     size_t n = 0, step = boxes->used / SAMPLES + 1;
     for (size_t slot = 0; slot < boxes->used && n < SAMPLES; slot += step) {
         const struct box *b = &boxes->at[slot];
-        double low = value_of(b->now.min[k]), high = value_of(b->now.max[k]);
+        double low = msap_value_of(b->now.min[k]), high = msap_value_of(b->now.max[k]);
         if (!(b->flags & BOX_LIVE) || !(high - low < 1e30)) continue;
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
     }
     s->size = s->extent = 0;
     if (n == 0) return;
-    sort_keys(size, n, NULL);
-    sort_keys(centre, n, NULL);
+    msap_sort_keys(size, n, NULL);
+    msap_sort_keys(centre, n, NULL);
     s->size = unsorted(size[n - 1 - n / 4]);
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }
 
-void spread_of(const struct box_table *boxes, struct spread s[3])
+void msap_spread_of(const struct box_table *boxes, struct spread s[3])
 {
     for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
 }
 
-double cells_on(const struct spread *s)
+double msap_cells_on(const struct spread *s)
 {
-    double cells = s->extent / power_of_two(s->exponent);
+    double cells = s->extent / msap_power_of_two(s->exponent);
     return cells > 1 ? cells : 1;
 }
 
-static double cells_on_all(const struct spread s[3]) { return cells_on(&s[0]) * cells_on(&s[1]) * cells_on(&s[2]); }
+static double cells_on_all(const struct spread s[3])
+{
+    return msap_cells_on(&s[0]) * msap_cells_on(&s[1]) * msap_cells_on(&s[2]);
+}
 
 static uint32_t finest(const struct spread s[3])
 {
     uint32_t best = 0;
     for (uint32_t k = 1; k < 3; k++)
-        if (cells_on(&s[k]) > cells_on(&s[best])) best = k;
+        if (msap_cells_on(&s[k]) > msap_cells_on(&s[best])) best = k;
     return best;
 }
 
@@ -82,17 +84,17 @@ static void choose_cells(struct spread s[3], double boxes, double least_size)
     for (uint32_t k = 0; k < 3; k++) {
         double width = 2 * s[k].size;
         if (width < s[k].extent / 65536) width = s[k].extent / 65536;
-        s[k].exponent = exponent_for(width > least_size ? width : least_size);
+        s[k].exponent = msap_exponent_for(width > least_size ? width : least_size);
     }
     while (cells_on_all(s) > 1 && cells_on_all(s) * BOXES_A_CELL > boxes) s[finest(s)].exponent++;
     for (int round = 0; round < 3 && cells_on_all(s) * CROWDED < boxes; round++) {
         uint32_t k = finest(s);
-        if (power_of_two(s[k].exponent - 1) < s[k].size) break;
+        if (msap_power_of_two(s[k].exponent - 1) < s[k].size) break;
         s[k].exponent--;
     }
 }
 
-uint32_t count_for(double cells)
+uint32_t msap_count_for(double cells)
 {
     uint32_t count = 1;
     while (count < cells && count < 65536) count *= 2;
@@ -113,7 +115,7 @@ static int make_levels(struct grid *g, struct memory *m, const uint32_t count[3]
         cells += (size_t)l->count[0] * l->count[1] * l->count[2];
     }
     g->n_cells = 0;
-    if (!memory_reserve(m, &g->cell, &g->room_cell, cells, 0, sizeof *g->cell)) return 0;
+    if (!msap_memory_reserve(m, &g->cell, &g->room_cell, cells, 0, sizeof *g->cell)) return 0;
     memset(g->cell, 0, cells * sizeof *g->cell);
     g->n_cells = cells;
     for (uint32_t level = 0; level < LEVELS; level++) g->level[level].cell = g->cell + first[level];
@@ -124,11 +126,11 @@ static int make_levels(struct grid *g, struct memory *m, const uint32_t count[3]
 static void lay_out_for_boxes(struct grid *g, const struct box_table *boxes, uint32_t count[3])
 {
     struct spread s[3];
-    spread_of(boxes, s);
+    msap_spread_of(boxes, s);
     choose_cells(s, (double)boxes->live, g->config->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
-        count[k] = count_for(cells_on(&s[k]));
-        g->scale[k] = count[k] == 1 ? 0 : (float)power_of_two(-s[k].exponent);
+        count[k] = msap_count_for(msap_cells_on(&s[k]));
+        g->scale[k] = count[k] == 1 ? 0 : (float)msap_power_of_two(-s[k].exponent);
     }
 }
 
@@ -147,22 +149,22 @@ static void lay_out_as_told(struct grid *g, uint32_t count[3])
         g->origin[k] = 0;
         g->width[k] = 1;
         if (count[k] == 1) continue;
-        int unit = exponent_for(larger(larger(min, -min), larger(max, -max))) - 24;
-        g->scale[k] = (float)power_of_two(-limited(unit));
+        int unit = msap_exponent_for(larger(larger(min, -min), larger(max, -max))) - 24;
+        g->scale[k] = (float)msap_power_of_two(-limited(unit));
         g->origin[k] = (int32_t)(min * g->scale[k]);
         g->width[k] = (int32_t)((max - min) * g->scale[k] / count[k]) + 1;
     }
 }
 
 /* A layout is good for a while, and for about as many boxes as it was made for. */
-int layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes)
+int msap_layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes)
 {
     enum { COMMITS = 64 };
     return chosen_for == 0 || boxes > chosen_for * 2 || boxes * 2 < chosen_for || now - chosen_at > COMMITS;
 }
 
 /* Lays an empty grid out. Returns 0 without memory. */
-int grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes)
+int msap_grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes)
 {
     uint32_t count[3];
     if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(g, count);

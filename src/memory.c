@@ -19,7 +19,7 @@ static void default_free(void *user, void *pointer, size_t size)
     free(pointer);
 }
 
-msap_status memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free_fn, void *user)
+msap_status msap_memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free_fn, void *user)
 {
     if (!alloc != !free_fn) return MSAP_ERROR_CONFIG;
     memset(m, 0, sizeof *m);
@@ -29,7 +29,7 @@ msap_status memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn free
     return MSAP_OK;
 }
 
-void *memory_alloc(struct memory *m, size_t count, size_t size)
+void *msap_memory_alloc(struct memory *m, size_t count, size_t size)
 {
     if (count > SIZE_MAX / size) return NULL;
     void *pointer = m->alloc(m->user, count * size);
@@ -40,7 +40,7 @@ void *memory_alloc(struct memory *m, size_t count, size_t size)
     return pointer;
 }
 
-void memory_free(struct memory *m, void *pointer, size_t count, size_t size)
+void msap_memory_free(struct memory *m, void *pointer, size_t count, size_t size)
 {
     if (!pointer) return;
     m->bytes -= count * size;
@@ -49,17 +49,17 @@ void memory_free(struct memory *m, void *pointer, size_t count, size_t size)
 
 /* Gives the array at *(void **)pointer_to_array room for new_room elements, of which
  * the first `used` are kept. Returns 1, or 0 without memory and nothing changed. */
-int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
-                  size_t size)
+int msap_memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t new_room, size_t used,
+                       size_t size)
 {
     void *old, *grown = NULL;
     memcpy(&old, pointer_to_array, sizeof old);
     if (new_room > 0) {
-        grown = memory_alloc(m, new_room, size);
+        grown = msap_memory_alloc(m, new_room, size);
         if (!grown) return 0;
         if (used > 0) memcpy(grown, old, used * size);
     }
-    memory_free(m, old, *room, size);
+    msap_memory_free(m, old, *room, size);
     memcpy(pointer_to_array, &grown, sizeof grown);
     *room = new_room;
     return 1;
@@ -67,23 +67,23 @@ int memory_resize(struct memory *m, void *pointer_to_array, size_t *room, size_t
 
 /* As memory_resize, but only to grow: by half at least, and with an eighth to spare,
  * so that a little more after much does not move it all again. */
-int memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
-                   size_t size)
+int msap_memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t used,
+                        size_t size)
 {
     if (need <= *room) return 1;
     size_t roomy = *room + *room / 2, spared = need + need / 8;
     if (spared < need) return 0;
-    return memory_resize(m, pointer_to_array, room, spared > roomy ? spared : roomy, used, size);
+    return msap_memory_resize(m, pointer_to_array, room, spared > roomy ? spared : roomy, used, size);
 }
 
 /* Gives room for `need` elements, which are kept, back; without memory for the smaller
  * array the larger one stays. */
-void memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size)
+void msap_memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, size_t need, size_t size)
 {
-    if (need < *room) memory_resize(m, pointer_to_array, room, need, need, size);
+    if (need < *room) msap_memory_resize(m, pointer_to_array, room, need, need, size);
 }
 
-void *scratch_get(struct scratch *s, struct memory *m, size_t words)
+void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words)
 {
-    return memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;
+    return msap_memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;
 }

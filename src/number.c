@@ -10,7 +10,6 @@
  * rounding mode, flush-to-zero and compiler flags have no say. */
 #include "internal.h"
 
-
 enum { FLOAT_INF = 0x7f800000, FLOAT_MAX = 0x7f7fffff };
 
 uint32_t msap_encode_float(float value)
@@ -64,7 +63,7 @@ static uint32_t float_bits_outward(uint64_t bits, unsigned up)
 }
 
 /* The value of an encoded float, also where the host takes subnormals for 0. */
-double value_of(int32_t ordered)
+double msap_value_of(int32_t ordered)
 {
     uint32_t bits = float_bits_from_ordered(ordered), magnitude = bits & 0x7fffffffu;
     if (magnitude >= 0x800000u) return float_from_bits(bits);
@@ -74,7 +73,7 @@ double value_of(int32_t ordered)
 
 /* The nearest encoded float at or below (up = 0) or at or above (up = 1) a value, which
  * is no NaN. */
-int32_t ordered_outward(double value, unsigned up)
+int32_t msap_ordered_outward(double value, unsigned up)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -192,7 +191,8 @@ static msap_status diagnose(const struct bounds *b, uint32_t *bound)
 }
 
 /* Whether doubles are inverted that are not any more as floats; *bound becomes the min. */
-static int doubles_inverted(const char *min, const char *max, const msap_boxes *boxes, uint32_t dims, uint32_t *bound)
+static int doubles_inverted(const char *min, const char *max, const msap_boxes *boxes, uint32_t dims,
+                            uint32_t *bound)
 {
     for (*bound = 0; *bound < dims; ++*bound) {
         uint64_t low = load_wide(min + (ptrdiff_t)*bound * boxes->min_component);
@@ -204,26 +204,28 @@ static int doubles_inverted(const char *min, const char *max, const msap_boxes *
 
 /* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
  * the one at fault. */
-msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out, uint32_t *bound)
+msap_status msap_bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
+                             uint32_t *bound)
 {
     const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
     const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
     ptrdiff_t step_min = boxes->min_component, step_max = boxes->max_component;
     if (boxes->scalar == MSAP_FLOAT)
-        return encode(load_floats(min, step_min, dims), load_floats(max, step_max, dims), out) ? MSAP_OK
-                                                                                               : diagnose(out, bound);
+        return encode(load_floats(min, step_min, dims), load_floats(max, step_max, dims), out)
+                   ? MSAP_OK
+                   : diagnose(out, bound);
     if (!encode(load_doubles(min, step_min, dims, 0), load_doubles(max, step_max, dims, 1), out))
         return diagnose(out, bound);
     return doubles_inverted(min, max, boxes, dims, bound) ? MSAP_ERROR_INVERTED : MSAP_OK;
 }
 
-msap_boxes boxes_of_one(const float *min, const float *max)
+msap_boxes msap_boxes_of_one(const float *min, const float *max)
 {
     msap_boxes one = {sizeof one, MSAP_FLOAT, min, max, 0, sizeof *min, 0, sizeof *max};
     return one;
 }
 
-msap_status boxes_check(const msap_boxes *boxes, size_t k)
+msap_status msap_boxes_check(const msap_boxes *boxes, size_t k)
 {
     if (!boxes) return MSAP_ERROR_NULL;
     if (boxes->struct_size != sizeof *boxes) return MSAP_ERROR_STRUCT_SIZE;
@@ -232,17 +234,18 @@ msap_status boxes_check(const msap_boxes *boxes, size_t k)
     return MSAP_OK;
 }
 
-/* Bounds at least `margin` wider on each side. The sum is right to the last bit of a double, in whatever direction that is
- * rounded, and then goes one float outward: it never falls short. */
-struct bounds bounds_widened(const struct bounds *b, float margin)
+/* Bounds at least `margin` wider on each side. The sum is right to the last bit of a
+ * double, in whatever direction that is rounded, and then goes one float outward: it
+ * never falls short. */
+struct bounds msap_bounds_widened(const struct bounds *b, float margin)
 {
     struct bounds wide = *b;
     uint32_t margin_bits;
     memcpy(&margin_bits, &margin, sizeof margin_bits);
-    double by = value_of(ordered_from_float_bits(margin_bits));
+    double by = msap_value_of(ordered_from_float_bits(margin_bits));
     for (int k = 0; k < 3 && margin_bits != 0; k++) {
-        wide.min[k] = ordered_outward(value_of(b->min[k]) - by, 0);
-        wide.max[k] = ordered_outward(value_of(b->max[k]) + by, 1);
+        wide.min[k] = msap_ordered_outward(msap_value_of(b->min[k]) - by, 0);
+        wide.max[k] = msap_ordered_outward(msap_value_of(b->max[k]) + by, 1);
         wide.min[k] -= wide.min[k] > ORDERED_MINUS_INF;
         wide.max[k] += wide.max[k] < ORDERED_INF;
     }

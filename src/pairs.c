@@ -15,7 +15,6 @@
  * Only sorted events change the table, so its order follows from them alone. */
 #include "internal.h"
 
-
 static size_t home(const struct pair_table *t, uint64_t key)
 {
     key ^= key >> 32;
@@ -37,7 +36,7 @@ static size_t probe(const struct pair_table *t, uint64_t key)
 }
 
 /* The index of the pair of two slots, or NONE. */
-uint32_t pairs_find(const struct pair_table *t, uint32_t a, uint32_t b)
+uint32_t msap_pairs_find(const struct pair_table *t, uint32_t a, uint32_t b)
 {
     return t->slots ? t->slot[probe(t, pair_key(a, b))] : NONE;
 }
@@ -69,15 +68,15 @@ static size_t slots_for(size_t pairs)
 
 static int resize_table(struct pair_table *t, struct memory *m, size_t slots)
 {
-    if (!memory_resize(m, &t->slot, &t->slots, slots, 0, sizeof *t->slot)) return 0;
+    if (!msap_memory_resize(m, &t->slot, &t->slots, slots, 0, sizeof *t->slot)) return 0;
     fill_table(t);
     return 1;
 }
 
-void pairs_free(struct pair_table *t, struct memory *m)
+void msap_pairs_free(struct pair_table *t, struct memory *m)
 {
-    memory_free(m, t->at, t->room, sizeof *t->at);
-    memory_free(m, t->slot, t->slots, sizeof *t->slot);
+    msap_memory_free(m, t->at, t->room, sizeof *t->at);
+    msap_memory_free(m, t->slot, t->slots, sizeof *t->slot);
     memset(t, 0, sizeof *t);
 }
 
@@ -85,23 +84,23 @@ static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
 
 /* Room for a commit's events. Returns 0 without memory, the pairs being as before. The
  * array has room for the most pairs so far and, behind them, the most deleted ones. */
-int pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted)
+int msap_pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted)
 {
     size_t active = t->active - deleted + created;
     size_t room = larger(active, t->most_active) + larger(deleted, t->most_deleted);
-    if (!memory_reserve(m, &t->at, &t->room, room, t->active + t->deleted, sizeof *t->at)) return 0;
+    if (!msap_memory_reserve(m, &t->at, &t->room, room, t->active + t->deleted, sizeof *t->at)) return 0;
     t->most_active = larger(active, t->most_active);
     t->most_deleted = larger(deleted, t->most_deleted);
     return slots_for(active) <= t->slots || resize_table(t, m, slots_for(active));
 }
 
 /* Gives room back; forgets the events. */
-void pairs_trim(struct pair_table *t, struct memory *m)
+void msap_pairs_trim(struct pair_table *t, struct memory *m)
 {
     t->created = t->deleted = 0;
     t->most_active = t->active;
     t->most_deleted = 0;
-    memory_shrink(m, &t->at, &t->room, t->active, sizeof *t->at);
+    msap_memory_shrink(m, &t->at, &t->room, t->active, sizeof *t->at);
     if (slots_for(t->active) < t->slots) resize_table(t, m, slots_for(t->active));
 }
 
@@ -119,8 +118,8 @@ static void delete_pair(struct pair_table *t, uint64_t key)
 }
 
 /* Applies sorted events for which there is room. */
-void pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
-                 const struct keys *doomed)
+void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
+                      const struct keys *doomed)
 {
     for (size_t i = doomed->n; i-- > 0;) delete_pair(t, doomed->at[i]); /* the first ends up first */
     if (fresh->n > 0) memmove(t->at + t->active + fresh->n, t->at + t->active, doomed->n * sizeof *t->at);
@@ -137,7 +136,7 @@ void pairs_apply(struct pair_table *t, const struct box_table *boxes, const stru
 }
 
 /* The first broken invariant, or NULL. */
-const char *pairs_broken(const struct pair_table *t)
+const char *msap_pairs_broken(const struct pair_table *t)
 {
     size_t entries = 0;
     if (t->active + t->deleted > t->room || t->created > t->active) return "the pair array is overfull";
@@ -149,7 +148,7 @@ const char *pairs_broken(const struct pair_table *t)
     if (entries != t->active) return "the pair table has another number of entries than there are pairs";
     for (size_t i = 0; i < t->active; i++) {
         if (t->at[i].a >= t->at[i].b) return "a pair is not in order";
-        if (pairs_find(t, slot_of(t->at[i].a), slot_of(t->at[i].b)) != i) return "a pair cannot be found";
+        if (msap_pairs_find(t, slot_of(t->at[i].a), slot_of(t->at[i].b)) != i) return "a pair cannot be found";
     }
     return NULL;
 }

@@ -16,7 +16,7 @@
 
 enum { ITEMS_WORTH_A_TASK = 512 };
 
-void crew_init(struct crew *crew, const msap_config *config)
+void msap_crew_init(struct crew *crew, const msap_config *config)
 {
     memset(crew, 0, sizeof *crew);
     crew->size = config->workers;
@@ -28,38 +28,38 @@ void crew_init(struct crew *crew, const msap_config *config)
 static uint32_t count_of(const struct crew *crew) { return crew->size > 1 ? crew->size + 1 : 1; }
 
 /* Room for what a sweep can find among so many slots. */
-int crew_reserve(struct crew *crew, struct memory *m, size_t slots)
+int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
-        if (!memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found)) return 0;
+        if (!msap_memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found)) return 0;
     }
     return 1;
 }
 
 /* Gives back all but room for what boxes in so many slots need, and on the doomed list
  * of the calling thread for every pair. */
-void crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs)
+void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
-        keys_free(&w->settler.fresh, m);
-        keys_free(&w->pairs, m);
+        msap_keys_free(&w->settler.fresh, m);
+        msap_keys_free(&w->pairs, m);
         w->settler.doomed.n = 0;
-        memory_shrink(m, &w->settler.doomed.at, &w->settler.doomed.room, i == 0 ? pairs : 0,
-                      sizeof *w->settler.doomed.at);
-        memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
+        msap_memory_shrink(m, &w->settler.doomed.at, &w->settler.doomed.room, i == 0 ? pairs : 0,
+                           sizeof *w->settler.doomed.at);
+        msap_memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
     }
 }
 
-void crew_free(struct crew *crew, struct memory *m)
+void msap_crew_free(struct crew *crew, struct memory *m)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
-        keys_free(&w->settler.fresh, m);
-        keys_free(&w->settler.doomed, m);
-        keys_free(&w->pairs, m);
-        memory_free(m, w->found, w->room_found, sizeof *w->found);
+        msap_keys_free(&w->settler.fresh, m);
+        msap_keys_free(&w->settler.doomed, m);
+        msap_keys_free(&w->pairs, m);
+        msap_memory_free(m, w->found, w->room_found, sizeof *w->found);
     }
 }
 
@@ -88,7 +88,8 @@ static int enlarge(struct worker *w, struct memory *m)
 {
     struct keys *buffers[3] = {&w->settler.fresh, &w->settler.doomed, &w->pairs};
     for (int i = 0; i < 3; i++)
-        if (buffers[i]->n == buffers[i]->room && !keys_reserve(buffers[i], m, 2 * buffers[i]->room + 256)) return 0;
+        if (buffers[i]->n == buffers[i]->room && !msap_keys_reserve(buffers[i], m, 2 * buffers[i]->room + 256))
+            return 0;
     return 1;
 }
 
@@ -96,7 +97,7 @@ static int enlarge(struct worker *w, struct memory *m)
 static int append(struct keys *to, const struct keys *from, struct memory *m)
 {
     if (from->n == 0) return 1;
-    if (!keys_reserve(to, m, to->n + from->n)) return 0;
+    if (!msap_keys_reserve(to, m, to->n + from->n)) return 0;
     memcpy(to->at + to->n, from->at, from->n * sizeof *to->at);
     to->n += from->n;
     return 1;
@@ -142,7 +143,7 @@ static int run_in_tasks(struct crew *crew, struct memory *m, phase_fn run, void 
 
 /* Runs a phase over n items; its output is appended to that of worker 0. Returns 0
  * without memory. */
-int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n)
+int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n)
 {
     size_t tasks = n / ITEMS_WORTH_A_TASK + 1;
     if (tasks > crew->size) tasks = crew->size;
@@ -152,9 +153,10 @@ int phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, 
 }
 
 /* Appends a pair to the worker's buffer. */
-void worker_put(struct worker *w, uint64_t key)
+void msap_worker_put(struct worker *w, uint64_t key)
 {
-    if (w->pairs.n < w->pairs.room || (w->settler.memory && keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
+    if (w->pairs.n < w->pairs.room ||
+        (w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
         w->pairs.at[w->pairs.n++] = key;
     else w->settler.lost = 1;
 }

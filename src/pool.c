@@ -10,7 +10,6 @@
  * gives them back. */
 #include "internal.h"
 
-
 enum { SLAB_UNITS = 2 << POOL_CLASSES };
 
 /* What stands at the beginning of a slab, and of a free array. */
@@ -34,14 +33,14 @@ static void *pop(struct slab **list)
     return s;
 }
 
-void pool_init(struct pool *p, size_t unit)
+void msap_pool_init(struct pool *p, size_t unit)
 {
     memset(p, 0, sizeof *p);
     p->unit = unit;
 }
 
 /* All arrays but the large ones count as given back. */
-void pool_empty(struct pool *p)
+void msap_pool_empty(struct pool *p)
 {
     struct slab *s;
     while ((s = pop(&p->slabs)) != NULL) push(&p->spare, s);
@@ -50,18 +49,18 @@ void pool_empty(struct pool *p)
 }
 
 /* Gives the memory of an emptied pool back. */
-void pool_free(struct pool *p, struct memory *m)
+void msap_pool_free(struct pool *p, struct memory *m)
 {
     void *s;
-    pool_empty(p);
-    while ((s = pop(&p->spare)) != NULL) memory_free(m, s, slab_bytes(p), 1);
+    msap_pool_empty(p);
+    while ((s = pop(&p->spare)) != NULL) msap_memory_free(m, s, slab_bytes(p), 1);
 }
 
 static void *cut(struct pool *p, struct memory *m, unsigned class)
 {
     size_t units = (size_t)1 << class;
     if (p->cut < units) {
-        void *s = p->spare ? pop(&p->spare) : memory_alloc(m, slab_bytes(p), 1);
+        void *s = p->spare ? pop(&p->spare) : msap_memory_alloc(m, slab_bytes(p), 1);
         if (!s) return NULL;
         push(&p->slabs, s);
         p->cut = SLAB_UNITS;
@@ -70,17 +69,17 @@ static void *cut(struct pool *p, struct memory *m, unsigned class)
     return (char *)p->slabs + POOL_ALIGN + p->cut * p->unit;
 }
 
-int pool_is_large(unsigned class) { return class >= POOL_CLASSES; }
+int msap_pool_is_large(unsigned class) { return class >= POOL_CLASSES; }
 
 /* An array of unit << class bytes, or NULL. */
-void *pool_get(struct pool *p, struct memory *m, unsigned class)
+void *msap_pool_get(struct pool *p, struct memory *m, unsigned class)
 {
-    if (pool_is_large(class)) return memory_alloc(m, p->unit, (size_t)1 << class);
+    if (msap_pool_is_large(class)) return msap_memory_alloc(m, p->unit, (size_t)1 << class);
     return p->free[class] ? pop(&p->free[class]) : cut(p, m, class);
 }
 
-void pool_put(struct pool *p, struct memory *m, void *array, unsigned class)
+void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class)
 {
-    if (pool_is_large(class)) memory_free(m, array, p->unit, (size_t)1 << class);
+    if (msap_pool_is_large(class)) msap_memory_free(m, array, p->unit, (size_t)1 << class);
     else push(&p->free[class], array);
 }

@@ -16,7 +16,7 @@
 #include "internal.h"
 
 /* Lays the arrays of n boxes out in `words`, PRUNE_SET_WORDS(n) of them. */
-void prune_set_place(struct prune_set *set, uint64_t *words, size_t n)
+void msap_prune_set_place(struct prune_set *set, uint64_t *words, size_t n)
 {
     int32_t *at = (int32_t *)(void *)words;
     set->n = n;
@@ -28,7 +28,7 @@ void prune_set_place(struct prune_set *set, uint64_t *words, size_t n)
 }
 
 /* Writes one row; `axis` becomes the first. */
-void prune_set_put(struct prune_set *set, size_t row, const struct bounds *bounds, uint32_t axis, uint32_t id)
+void msap_prune_set_put(struct prune_set *set, size_t row, const struct bounds *bounds, uint32_t axis, uint32_t id)
 {
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t from = axis + k < 3 ? axis + k : axis + k - 3;
@@ -53,12 +53,12 @@ static void sweep_from(const struct prune_set *a, size_t i, const struct prune_s
         if (meet(a, i, b, j)) found(context, a->id[i], b->id[j]);
 }
 
-void prune_complete(const struct prune_set *set, prune_found found, void *context)
+void msap_prune_within(const struct prune_set *set, prune_found found, void *context)
 {
     for (size_t i = 0; i < set->n; i++) sweep_from(set, i, set, i + 1, found, context);
 }
 
-void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context)
+void msap_prune_between(const struct prune_set *a, const struct prune_set *b, prune_found found, void *context)
 {
     for (size_t i = 0, first = 0; i < a->n; i++) {
         while (first < b->n && b->min[0][first] < a->min[0][i]) first++;
@@ -71,10 +71,11 @@ void prune_bipartite(const struct prune_set *a, const struct prune_set *b, prune
 }
 
 /* Room for so many entries. Returns 0 without memory. */
-int row_set_make(struct row_set *set, struct memory *m, size_t entries)
+int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
 {
     if (entries > UINT32_MAX - ROW_SLACK) return 0;
-    if (!memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words)) return 0;
+    if (!msap_memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words))
+        return 0;
     for (size_t k = 0; k < 3; k++) {
         set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
         set->max[k] = set->min[k] + entries + ROW_SLACK;
@@ -83,8 +84,8 @@ int row_set_make(struct row_set *set, struct memory *m, size_t entries)
     return 1;
 }
 
-void row_set_free(struct row_set *set, struct memory *m)
+void msap_row_set_free(struct row_set *set, struct memory *m)
 {
-    memory_free(m, set->words, set->room, sizeof *set->words);
+    msap_memory_free(m, set->words, set->room, sizeof *set->words);
     memset(set, 0, sizeof *set);
 }

@@ -7,7 +7,6 @@
  * the pairs are collected as keys and sorted. */
 #include "internal.h"
 
-
 /* One call at work. */
 struct pruning {
     struct memory memory;
@@ -48,7 +47,7 @@ static msap_status begin(struct pruning *p, const msap_prune_config *config)
     if (config->axis < MSAP_AXIS_AUTO || config->axis >= (int32_t)config->dims) return MSAP_ERROR_CONFIG;
     p->dims = config->dims;
     p->axis = (uint32_t)config->axis; /* AUTO is above every axis */
-    return memory_init(&p->memory, config->alloc, config->free, config->allocator_user);
+    return msap_memory_init(&p->memory, config->alloc, config->free, config->allocator_user);
 }
 
 static msap_status fail(msap_error *error, msap_status status, uint64_t index, uint32_t bound)
@@ -66,17 +65,17 @@ static msap_status fail(msap_error *error, msap_status status, uint64_t index, u
 static msap_status read_input(struct pruning *p, struct input *in, size_t n, const msap_boxes *boxes, size_t base,
                               msap_error *error)
 {
-    msap_status status = boxes_check(boxes, n);
+    msap_status status = msap_boxes_check(boxes, n);
     if (status == MSAP_OK && n > MSAP_MAX_BOXES - base) status = MSAP_ERROR_FULL;
     if (status != MSAP_OK) return fail(error, status, base, MSAP_NO_BOUND);
     in->n = n;
     in->base = base;
     if (n == 0) return MSAP_OK;
-    in->bounds = memory_alloc(&p->memory, n, sizeof *in->bounds);
+    in->bounds = msap_memory_alloc(&p->memory, n, sizeof *in->bounds);
     if (!in->bounds) return fail(error, MSAP_ERROR_MEMORY, base, MSAP_NO_BOUND);
     for (size_t i = 0; i < n; i++) {
         uint32_t bound = MSAP_NO_BOUND;
-        status = bounds_read(boxes, i, p->dims, &in->bounds[i], &bound);
+        status = msap_bounds_read(boxes, i, p->dims, &in->bounds[i], &bound);
         if (status != MSAP_OK) return fail(error, status, base + i, bound);
     }
     return MSAP_OK;
@@ -84,8 +83,8 @@ static msap_status read_input(struct pruning *p, struct input *in, size_t n, con
 
 static void free_input(struct pruning *p, struct input *in)
 {
-    memory_free(&p->memory, in->bounds, in->n, sizeof *in->bounds);
-    memory_free(&p->memory, in->words, PRUNE_SET_WORDS(in->n), sizeof *in->words);
+    msap_memory_free(&p->memory, in->bounds, in->n, sizeof *in->bounds);
+    msap_memory_free(&p->memory, in->words, PRUNE_SET_WORDS(in->n), sizeof *in->words);
 }
 
 /* ------------------------------------------------------------ sweep order */
@@ -135,18 +134,18 @@ static int sort_input(struct pruning *p, struct input *in)
         return 1;
     }
     if (n > SIZE_MAX / 16) return 0;
-    in->words = memory_alloc(&p->memory, PRUNE_SET_WORDS(n), sizeof *in->words);
-    uint64_t *key = memory_alloc(&p->memory, 2 * n, sizeof *key);
+    in->words = msap_memory_alloc(&p->memory, PRUNE_SET_WORDS(n), sizeof *in->words);
+    uint64_t *key = msap_memory_alloc(&p->memory, 2 * n, sizeof *key);
     if (in->words && key) {
         for (size_t i = 0; i < n; i++) key[i] = key_make(in->bounds[i].min[p->axis], 0, (uint32_t)i);
-        sort_keys(key, n, key + n);
-        prune_set_place(&in->set, in->words, n);
+        msap_sort_keys(key, n, key + n);
+        msap_prune_set_place(&in->set, in->words, n);
         for (size_t i = 0; i < n; i++)
-            prune_set_put(&in->set, i, &in->bounds[key_box(key[i])], p->axis,
-                          (uint32_t)in->base + key_box(key[i]));
+            msap_prune_set_put(&in->set, i, &in->bounds[key_box(key[i])], p->axis,
+                               (uint32_t)in->base + key_box(key[i]));
     }
     int done = in->words && key;
-    memory_free(&p->memory, key, 2 * n, sizeof *key);
+    msap_memory_free(&p->memory, key, 2 * n, sizeof *key);
     return done;
 }
 
@@ -154,7 +153,7 @@ static int sort_input(struct pruning *p, struct input *in)
 
 static void put_pair(struct pruning *p, uint64_t key)
 {
-    if (p->lost || !keys_reserve(&p->pairs, &p->memory, p->pairs.n + 1)) p->lost = 1;
+    if (p->lost || !msap_keys_reserve(&p->pairs, &p->memory, p->pairs.n + 1)) p->lost = 1;
     else p->pairs.at[p->pairs.n++] = key;
 }
 
@@ -167,10 +166,10 @@ static msap_status give_pairs(struct pruning *p, size_t base, msap_index_pair **
     msap_index_pair *out = NULL;
     if (p->lost) return MSAP_ERROR_MEMORY;
     if (n > 0) {
-        uint64_t *scratch = memory_alloc(&p->memory, n, sizeof *scratch);
-        sort_keys(p->pairs.at, n, scratch);
-        memory_free(&p->memory, scratch, n, sizeof *scratch);
-        out = memory_alloc(&p->memory, n, sizeof *out);
+        uint64_t *scratch = msap_memory_alloc(&p->memory, n, sizeof *scratch);
+        msap_sort_keys(p->pairs.at, n, scratch);
+        msap_memory_free(&p->memory, scratch, n, sizeof *scratch);
+        out = msap_memory_alloc(&p->memory, n, sizeof *out);
         if (!out) return MSAP_ERROR_MEMORY;
     }
     for (size_t i = 0; i < n; i++) {
@@ -190,8 +189,8 @@ static msap_status prune_inputs(struct pruning *p, struct input *a, struct input
 {
     choose_axis(p, a, b);
     if (!sort_input(p, a) || !sort_input(p, b)) return MSAP_ERROR_MEMORY;
-    if (p->bipartite) prune_bipartite(&a->set, &b->set, found, p);
-    else prune_complete(&a->set, found, p);
+    if (p->bipartite) msap_prune_between(&a->set, &b->set, found, p);
+    else msap_prune_within(&a->set, found, p);
     return give_pairs(p, b->base, pairs, count);
 }
 
@@ -209,7 +208,7 @@ static msap_status run(struct pruning *p, size_t k_a, const msap_boxes *boxes_a,
     }
     free_input(p, &a);
     free_input(p, &b);
-    keys_free(&p->pairs, &p->memory);
+    msap_keys_free(&p->pairs, &p->memory);
     return status;
 }
 
@@ -230,8 +229,8 @@ msap_status msap_prune(const msap_prune_config *config, size_t k, const msap_box
     return status == MSAP_OK ? run(&p, k, boxes, 0, NULL, pairs, count, error) : status;
 }
 
-msap_status msap_prune_bipartite(const msap_prune_config *config, size_t k_a, const msap_boxes *boxes_a, size_t k_b,
-                                 const msap_boxes *boxes_b, msap_index_pair **pairs, size_t *count,
+msap_status msap_prune_bipartite(const msap_prune_config *config, size_t k_a, const msap_boxes *boxes_a,
+                                 size_t k_b, const msap_boxes *boxes_b, msap_index_pair **pairs, size_t *count,
                                  msap_error *error)
 {
     struct pruning p;
@@ -244,6 +243,6 @@ msap_status msap_prune_free(const msap_prune_config *config, msap_index_pair *pa
 {
     struct pruning p;
     msap_status status = begin(&p, config);
-    if (status == MSAP_OK) memory_free(&p.memory, pairs, count, sizeof *pairs);
+    if (status == MSAP_OK) msap_memory_free(&p.memory, pairs, count, sizeof *pairs);
     return status;
 }

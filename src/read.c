@@ -4,11 +4,10 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-
 msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *min, float *max)
 {
     if (!world || !min || !max) return MSAP_ERROR_NULL;
-    const struct box *b = box_find(&world->boxes, handle, BOX_LIVE);
+    const struct box *b = msap_box_find(&world->boxes, handle, BOX_LIVE);
     if (!b) return MSAP_ERROR_HANDLE;
     for (uint32_t k = 0; k < world->config.dims; k++) {
         min[k] = float_from_bits(float_bits_from_ordered(b->now.min[k]));
@@ -23,7 +22,7 @@ msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *
 static size_t first_unknown(const msap_world *w, size_t k, const msap_handle *handles, uint32_t flags)
 {
     size_t i = 0;
-    while (i < k && box_find(&w->boxes, handles[i], flags)) i++;
+    while (i < k && msap_box_find(&w->boxes, handles[i], flags)) i++;
     return i;
 }
 
@@ -38,10 +37,10 @@ msap_status msap_get_user_data(const msap_world *world, size_t k, const msap_han
 msap_status msap_set_user_data(msap_world *world, size_t k, const msap_handle *handles, void *const *user_data)
 {
     if (!world) return MSAP_ERROR_NULL;
-    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    if (k > 0 && (!handles || !user_data)) return world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
+    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if (k > 0 && (!handles || !user_data)) return msap_world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
     size_t unknown = first_unknown(world, k, handles, BOX_LIVE);
-    if (unknown < k) return world_fail(world, MSAP_ERROR_HANDLE, unknown, MSAP_NO_BOUND);
+    if (unknown < k) return msap_world_fail(world, MSAP_ERROR_HANDLE, unknown, MSAP_NO_BOUND);
     for (size_t i = 0; i < k; i++) world->boxes.user_data[slot_of(handles[i])] = user_data[i];
     return MSAP_OK;
 }
@@ -50,7 +49,7 @@ msap_status msap_set_user_data(msap_world *world, size_t k, const msap_handle *h
 static msap_pair *pair_of(const msap_world *w, msap_handle a, msap_handle b)
 {
     msap_handle low = a < b ? a : b, high = a < b ? b : a;
-    uint32_t i = pairs_find(&w->pairs, slot_of(low), slot_of(high));
+    uint32_t i = msap_pairs_find(&w->pairs, slot_of(low), slot_of(high));
     if (i == NONE || w->pairs.at[i].a != low || w->pairs.at[i].b != high) return NULL;
     return &w->pairs.at[i];
 }
@@ -75,10 +74,10 @@ msap_status msap_set_pair_data(msap_world *world, size_t k, const msap_handle *a
                                void *const *pair_data)
 {
     if (!world) return MSAP_ERROR_NULL;
-    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    if (k > 0 && (!a || !b || !pair_data)) return world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
+    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if (k > 0 && (!a || !b || !pair_data)) return msap_world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
     size_t unpaired = first_unpaired(world, k, a, b);
-    if (unpaired < k) return world_fail(world, MSAP_ERROR_NOT_A_PAIR, unpaired, MSAP_NO_BOUND);
+    if (unpaired < k) return msap_world_fail(world, MSAP_ERROR_NOT_A_PAIR, unpaired, MSAP_NO_BOUND);
     for (size_t i = 0; i < k; i++) pair_of(world, a[i], b[i])->user_data = pair_data[i];
     return MSAP_OK;
 }
@@ -130,6 +129,6 @@ msap_status msap_stats(const msap_world *world, msap_world_stats *stats)
     stats->slides = world->strategy_used[MSAP_STRATEGY_SLIDE];
     stats->merges = world->strategy_used[MSAP_STRATEGY_MERGE];
     stats->sweeps = world->strategy_used[MSAP_STRATEGY_SWEEP];
-    if (is_grid(&world->config)) grid_count(&world->grid, stats);
+    if (is_grid(&world->config)) msap_grid_count(&world->grid, stats);
     return MSAP_OK;
 }

@@ -23,7 +23,10 @@ struct rebuild {
     struct range *range; /* [slots] of each live box, on its level */
 };
 
-static int is_live(const struct rebuild *r, size_t slot) { return (r->job->boxes->at[slot].flags & BOX_LIVE) != 0; }
+static int is_live(const struct rebuild *r, size_t slot)
+{
+    return (r->job->boxes->at[slot].flags & BOX_LIVE) != 0;
+}
 static uint32_t is_static(const struct rebuild *r, size_t slot)
 {
     return (r->job->boxes->at[slot].flags & BOX_STATIC) != 0;
@@ -41,11 +44,11 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         struct place *p = &g->place[slot];
         const struct box *b = &r->job->boxes->at[slot];
         if (!is_live(r, slot)) continue;
-        if (p->horizon == NO_HORIZON) skin_first(p, b, g, (uint32_t)slot);
-        else if (!contains(&p->fat, &b->now)) skin_renew(p, b, g, (uint32_t)slot, 0);
-        struct range base = grid_range(g, &p->fat);
-        p->level = (uint8_t)grid_level_for(base);
-        r->range[slot] = grid_range_on(g, base, p->level);
+        if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
+        else if (!contains(&p->fat, &b->now)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
+        struct range base = msap_grid_range(g, &p->fat);
+        p->level = (uint8_t)msap_grid_level_for(base);
+        r->range[slot] = msap_grid_range_on(g, base, p->level);
     }
 }
 
@@ -56,7 +59,7 @@ static void count(struct rebuild *r)
     for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
         if (!is_live(r, slot)) continue;
         struct level *l = &g->level[g->place[slot].level];
-        struct cell_walk w = cell_walk(l, r->range[slot]);
+        struct cell_walk w = msap_cell_walk(l, r->range[slot]);
         l->boxes++;
         for (struct cell *c; (c = cell_next(&w)) != NULL;) {
             c->n++;
@@ -71,7 +74,7 @@ static int make_cells(struct grid *g, struct memory *m)
 {
     for (size_t i = 0; i < g->n_cells; i++) {
         struct cell *c = &g->cell[i];
-        if (c->n > 0 && !cell_make_room(c, &g->pool, m, c->n)) return 0;
+        if (c->n > 0 && !msap_cell_make_room(c, &g->pool, m, c->n)) return 0;
         c->n = c->n_moving;
         c->n_moving = 0;
     }
@@ -83,9 +86,9 @@ static void fill_cells(struct rebuild *r)
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct place *p = &r->grid->place[slot];
         if (!is_live(r, slot)) continue;
-        struct cell_walk w = cell_walk(&r->grid->level[p->level], r->range[slot]);
+        struct cell_walk w = msap_cell_walk(&r->grid->level[p->level], r->range[slot]);
         for (struct cell *c; (c = cell_next(&w)) != NULL;)
-            cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
+            msap_cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
     }
 }
 
@@ -98,17 +101,18 @@ static int is_meeting_cell(const struct rebuild *r, const struct level *l, const
     const int32_t *p = r->range[a].low, *q = r->range[b].low;
     int32_t corner[3];
     for (int k = 0; k < 3; k++) corner[k] = p[k] > q[k] ? p[k] : q[k];
-    return cell_at(l, corner) == c;
+    return msap_cell_at(l, corner) == c;
 }
 
 static void sweep_cell(const struct rebuild *r, struct worker *w, const struct level *l, const struct cell *c)
 {
     for (uint32_t row = 0; row < c->n_moving; row++) {
         struct bounds b;
-        uint32_t slot = cell_row(c, row, &b);
+        uint32_t slot = msap_cell_row(c, row, &b);
         size_t n = r->grid->sweep(c, row + 1, c->n, &b, w->found);
         for (size_t i = 0; i < n; i++)
-            if (is_meeting_cell(r, l, c, slot, w->found[i])) worker_put(w, (uint64_t)slot << 32 | w->found[i]);
+            if (is_meeting_cell(r, l, c, slot, w->found[i]))
+                msap_worker_put(w, (uint64_t)slot << 32 | w->found[i]);
     }
 }
 
@@ -130,7 +134,8 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
     const struct rebuild *r = context;
     const struct grid *g = r->grid;
     for (size_t slot = first; slot < last; slot++)
-        if (is_live(r, slot)) grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
+        if (is_live(r, slot))
+            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
 }
 
 /* The coarsest level that holds boxes. */
@@ -147,10 +152,10 @@ static int make_lists(struct grid *g, struct job *job)
     const struct keys *found = &job->crew->worker[0].pairs;
     for (size_t i = 0; i < found->n; i++) {
         uint32_t a = (uint32_t)(found->at[i] >> 32), b = (uint32_t)found->at[i];
-        if (i == 0 || a != found->at[i - 1] >> 32) grid_new_token(g);
+        if (i == 0 || a != found->at[i - 1] >> 32) msap_grid_new_token(g);
         if (g->tag[b] == g->token) continue;
         g->tag[b] = g->token;
-        if (!near_add(&g->near, job->memory, a, b) || !near_add(&g->near, job->memory, b, a)) return 0;
+        if (!msap_near_add(&g->near, job->memory, a, b) || !msap_near_add(&g->near, job->memory, b, a)) return 0;
     }
     return 1;
 }
@@ -161,8 +166,8 @@ static int find_pairs(struct rebuild *r)
     struct crew *crew = r->job->crew;
     struct memory *m = r->job->memory;
     crew->worker[0].pairs.n = 0;
-    if (!phase_run(crew, m, sweep_cells, r, g->n_cells)) return 0;
-    if (last_level(g) > 0 && !phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
+    if (!msap_phase_run(crew, m, sweep_cells, r, g->n_cells)) return 0;
+    if (last_level(g) > 0 && !msap_phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
     return make_lists(g, r->job);
 }
 
@@ -176,20 +181,22 @@ static void forget_absent(struct grid *g, size_t slots)
 }
 
 /* Returns 0 without memory. */
-int grid_rebuild(struct grid *g, struct job *job)
+int msap_grid_rebuild(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
     struct rebuild r = {g, job, NULL};
     forget_absent(g, t->used);
-    grid_empty(g, job->memory);
+    msap_grid_empty(g, job->memory);
     g->is_tracking = 0;
     g->moves = t->live;
-    if (layout_is_old(g->laid_out_for, g->laid_out_at, g->commit, t->live) && !grid_layout(g, job->memory, t)) return 0;
-    r.range = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
-    if (!r.range || !phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
+    if (msap_layout_is_old(g->laid_out_for, g->laid_out_at, g->commit, t->live) &&
+        !msap_grid_layout(g, job->memory, t))
+        return 0;
+    r.range = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
+    if (!r.range || !msap_phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
     count(&r);
     if (!make_cells(g, job->memory)) return 0;
     fill_cells(&r);
-    g->is_tracking = find_pairs(&r) && touch_known_pairs(job);
+    g->is_tracking = find_pairs(&r) && msap_touch_known_pairs(job);
     return g->is_tracking;
 }

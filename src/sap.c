@@ -24,29 +24,28 @@
  * boxes that are far apart on the others (II.1). */
 #include "internal.h"
 
-
-void sap_init(struct sap *s, uint32_t dims)
+void msap_sap_init(struct sap *s, uint32_t dims)
 {
     memset(s, 0, sizeof *s);
     s->dims = dims;
 }
 
-void sap_free(struct sap *s, struct memory *m)
+void msap_sap_free(struct sap *s, struct memory *m)
 {
-    for (uint32_t k = 0; k < 3; k++) axis_free(&s->axis[k], m);
+    for (uint32_t k = 0; k < 3; k++) msap_axis_free(&s->axis[k], m);
 }
 
 /* Room for boxes in slots below `slots`. */
-int sap_reserve(struct sap *s, struct memory *m, size_t slots)
+int msap_sap_reserve(struct sap *s, struct memory *m, size_t slots)
 {
     for (uint32_t k = 0; k < s->dims; k++)
-        if (!axis_reserve(&s->axis[k], m, slots)) return 0;
+        if (!msap_axis_reserve(&s->axis[k], m, slots)) return 0;
     return 1;
 }
 
-void sap_trim(struct sap *s, struct memory *m, size_t slots)
+void msap_sap_trim(struct sap *s, struct memory *m, size_t slots)
 {
-    for (uint32_t k = 0; k < s->dims; k++) axis_trim(&s->axis[k], m, slots);
+    for (uint32_t k = 0; k < s->dims; k++) msap_axis_trim(&s->axis[k], m, slots);
 }
 
 /* ------------------------------------------------- taking out, putting in */
@@ -55,7 +54,7 @@ void sap_trim(struct sap *s, struct memory *m, size_t slots)
 static void drop_untagged(struct sap *s, const struct job *job, size_t n_dropped)
 {
     if (n_dropped == 0) return;
-    for (uint32_t k = 0; k < s->dims; k++) axis_drop(&s->axis[k], s->stored, job->boxes->at);
+    for (uint32_t k = 0; k < s->dims; k++) msap_axis_drop(&s->axis[k], s->stored, job->boxes->at);
     s->stored -= n_dropped;
 }
 
@@ -103,16 +102,15 @@ static size_t mark_entering_new(const struct job *job)
 static void insert_entering(struct sap *s, const struct job *job)
 {
     size_t n = 0;
-    uint64_t *scratch = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
+    uint64_t *scratch = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     for (uint32_t k = 0; k < s->dims; k++) {
         struct axis *x = &s->axis[k];
         uint64_t *incoming = scratch ? scratch : x->key + 1 + 2 * s->stored;
         n = entering_keys(job, k, incoming);
         if (scratch) {
-            sort_keys(incoming, n, incoming + n);
-            axis_merge(x, s->stored, incoming, n);
-        } else
-            axis_sort(x, s->stored + n / 2, NULL);
+            msap_sort_keys(incoming, n, incoming + n);
+            msap_axis_merge(x, s->stored, incoming, n);
+        } else msap_axis_sort(x, s->stored + n / 2, NULL);
     }
     s->stored += n / 2;
     mark_entering_new(job);
@@ -131,7 +129,8 @@ static void rebuild(struct sap *s, const struct job *job)
             key[n++] = key_make(t->at[slot].now.min[k], 0, slot);
             key[n++] = key_make(t->at[slot].now.max[k], 1, slot);
         }
-        axis_sort(&s->axis[k], s->stored, scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used)));
+        msap_axis_sort(&s->axis[k], s->stored,
+                       msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used)));
     }
     for (uint32_t slot = 0; slot < t->used; slot++) {
         uint32_t *flags = &t->at[slot].flags;
@@ -168,8 +167,8 @@ static void split_new(const struct sap *s, const struct job *job, uint32_t k, st
         uint64_t key = s->axis[k].key[i];
         if (key & KEY_MAX_BIT) continue;
         const struct box *b = &job->boxes->at[key_box(key)];
-        if (b->flags & BOX_NEW) prune_set_put(fresh, n_fresh++, &b->now, k, key_box(key));
-        else prune_set_put(old, n_old++, &b->now, k, key_box(key));
+        if (b->flags & BOX_NEW) msap_prune_set_put(fresh, n_fresh++, &b->now, k, key_box(key));
+        else msap_prune_set_put(old, n_old++, &b->now, k, key_box(key));
     }
 }
 
@@ -194,17 +193,17 @@ static void prune_new(const struct sap *s, const struct job *job, size_t n_new)
     if (n_new == 0) return;
     uint32_t k = sweep_axis(s, job);
     size_t n_old = s->stored - n_new;
-    uint64_t *words = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
+    uint64_t *words = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!words) {
         prune_in_place(s, job, k);
         return;
     }
     struct prune_set fresh, old;
-    prune_set_place(&fresh, words, n_new);
-    prune_set_place(&old, words + PRUNE_SET_WORDS(n_new), n_old);
+    msap_prune_set_place(&fresh, words, n_new);
+    msap_prune_set_place(&old, words + PRUNE_SET_WORDS(n_new), n_old);
     split_new(s, job, k, &fresh, &old);
-    prune_complete(&fresh, touch, job->settler);
-    prune_bipartite(&fresh, &old, touch, job->settler);
+    msap_prune_within(&fresh, touch, job->settler);
+    msap_prune_between(&fresh, &old, touch, job->settler);
 }
 
 static size_t clear_new(struct box_table *t)
@@ -224,11 +223,11 @@ static void slide_moving(struct sap *s, const struct job *job)
     const struct box_table *t = job->boxes;
     for (uint32_t k = 0; k < s->dims; k++)
         for (size_t i = 0; i < t->n_changed; i++)
-            if (t->at[t->changed[i]].flags & BOX_STORED) axis_slide(s, k, t->changed[i], job);
+            if (t->at[t->changed[i]].flags & BOX_STORED) msap_axis_slide(s, k, t->changed[i], job);
 }
 
 /* Brings the axes up to date by one of the strategies (not AUTO). */
-void sap_update(struct sap *s, struct job *job, uint32_t strategy)
+void msap_sap_update(struct sap *s, struct job *job, uint32_t strategy)
 {
     size_t n_tagged = 0, n_before;
     if (strategy != MSAP_STRATEGY_SWEEP) {
@@ -240,11 +239,10 @@ void sap_update(struct sap *s, struct job *job, uint32_t strategy)
     if (strategy == MSAP_STRATEGY_SWEEP) {
         n_before = 0;
         rebuild(s, job);
-    } else if (job->boxes->live > s->stored)
-        insert_entering(s, job);
+    } else if (job->boxes->live > s->stored) insert_entering(s, job);
     prune_new(s, job, s->stored - n_before);
     if (s->stored > n_before) clear_new(job->boxes);
-    if (n_tagged > 0 || strategy == MSAP_STRATEGY_SWEEP) touch_known_pairs(job);
+    if (n_tagged > 0 || strategy == MSAP_STRATEGY_SWEEP) msap_touch_known_pairs(job);
 }
 
 /* ----------------------------------------------------------------- choosing */
@@ -281,7 +279,7 @@ static uint64_t estimate_slide(const struct sap *s, const struct box_table *t)
 /* The strategy with the least estimated cost. One place of sliding counts 1; merging
  * moves every end point once and prunes the changed boxes; sweeping sorts and prunes
  * all. Weights from bench/strategies. */
-uint32_t sap_choose(const struct sap *s, const struct job *job)
+uint32_t msap_sap_choose(const struct sap *s, const struct job *job)
 {
     const struct box_table *t = job->boxes;
     uint64_t end_points = 2 * (uint64_t)s->dims * s->stored;
@@ -293,13 +291,13 @@ uint32_t sap_choose(const struct sap *s, const struct job *job)
 }
 
 /* The first broken invariant of the arrays, or NULL. */
-const char *sap_broken(const struct sap *s, const struct box_table *boxes)
+const char *msap_sap_broken(const struct sap *s, const struct box_table *boxes)
 {
     size_t stored = 0;
     for (size_t slot = 0; slot < boxes->used; slot++) stored += (boxes->at[slot].flags & BOX_STORED) != 0;
     if (stored != s->stored) return "the axes hold another number of boxes than are stored";
     for (uint32_t k = 0; k < s->dims; k++) {
-        const char *broken = axis_broken(&s->axis[k], s->stored, boxes, k);
+        const char *broken = msap_axis_broken(&s->axis[k], s->stored, boxes, k);
         if (broken) return broken;
     }
     return NULL;

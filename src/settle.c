@@ -18,15 +18,15 @@
  * changed than ever before, however often they were touched. */
 static int make_room(struct settler *s, struct keys *list)
 {
-    sort_keys(list->at, list->n, NULL);
-    list->n = unique_keys(list->at, list->n);
+    msap_sort_keys(list->at, list->n, NULL);
+    list->n = msap_unique_keys(list->at, list->n);
     if (list->n <= list->room / 2 && list->room > 0) return 1;
-    if (s->memory && keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
+    if (s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
     return list->n < list->room;
 }
 
 /* A pair that overlaps now and did not before, or the other way round. */
-void settle_change(struct settler *s, uint64_t key, int is)
+void msap_settle_change(struct settler *s, uint64_t key, int is)
 {
     struct keys *list = is ? &s->fresh : &s->doomed;
     if (list->n < list->room || make_room(s, list)) list->at[list->n++] = key;
@@ -44,14 +44,14 @@ static void touch_known(void *context, struct worker *w, size_t first, size_t la
 }
 
 /* Touches the known pairs of changed boxes. Returns 0 without memory. */
-int touch_known_pairs(struct job *job)
+int msap_touch_known_pairs(struct job *job)
 {
-    return phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
+    return msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
 }
 
 /* The last resort, when there is no memory for anything better: touches every pair
  * that a changed box could make. */
-void touch_all_boxes(const struct job *job)
+void msap_touch_all_boxes(const struct job *job)
 {
     const struct box_table *t = job->boxes;
     for (size_t i = 0; i < t->n_changed; i++)

@@ -84,7 +84,8 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 static size_t sweep_row_portable(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
 {
-    int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i], max2 = s->max[2][i];
+    int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
+            max2 = s->max[2][i];
     size_t n = 0;
     for (uint32_t j = i + 1; j < end && s->min[0][j] <= stop; j++) {
         out[n] = s->id[j];
@@ -105,9 +106,10 @@ static size_t sweep_row_sse2(const struct row_set *s, uint32_t i, uint32_t end, 
     size_t n = 0;
     for (uint32_t j = i + 1; j < end; j += 4) {
         __m128i past = _mm_cmpgt_epi32(LOAD128(s->min[0], j), stop);
-        __m128i apart = _mm_or_si128(
-            _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[1], j), max1), _mm_cmpgt_epi32(min1, LOAD128(s->max[1], j))),
-            _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[2], j), max2), _mm_cmpgt_epi32(min2, LOAD128(s->max[2], j))));
+        __m128i apart = _mm_or_si128(_mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[1], j), max1),
+                                                  _mm_cmpgt_epi32(min1, LOAD128(s->max[1], j))),
+                                     _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[2], j), max2),
+                                                  _mm_cmpgt_epi32(min2, LOAD128(s->max[2], j))));
         uint32_t found = ~(uint32_t)_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(past, apart))) & 15;
         if (end - j < 4) found &= (1u << (end - j)) - 1;
         for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
@@ -139,7 +141,7 @@ __attribute__((target("avx2"))) static size_t sweep_row_avx2(const struct row_se
 }
 #endif
 
-sweep_row_fn sweep_row_for(uint32_t simd)
+sweep_row_fn msap_sweep_row_for(uint32_t simd)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
     if ((simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2")) return sweep_row_avx2;
@@ -150,7 +152,7 @@ sweep_row_fn sweep_row_for(uint32_t simd)
 }
 
 /* The best sweep that the machine has, not above `simd`. */
-sweep_fn sweep_for(uint32_t simd)
+sweep_fn msap_sweep_for(uint32_t simd)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
     if ((simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2")) return sweep_avx2;

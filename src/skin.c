@@ -30,8 +30,7 @@ static void learn(struct place *p, uint32_t age, uint32_t vain)
         else horizon -= horizon / 2;
     } else if ((uint64_t)vain * age > TESTS_OF_A_MOVE) {
         horizon -= horizon / 4;
-    } else
-        horizon += horizon / 4 + 1;
+    } else horizon += horizon / 4 + 1;
     p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
 }
 
@@ -48,10 +47,10 @@ static struct motion motion_of(const struct box *b)
     struct motion m;
     m.size = m.step = 0;
     for (uint32_t k = 0; k < 3; k++) {
-        m.low[k] = value_of(b->now.min[k]);
-        m.high[k] = value_of(b->now.max[k]);
-        m.down[k] = m.low[k] - value_of(b->before.min[k]);
-        m.up[k] = m.high[k] - value_of(b->before.max[k]);
+        m.low[k] = msap_value_of(b->now.min[k]);
+        m.high[k] = msap_value_of(b->now.max[k]);
+        m.down[k] = m.low[k] - msap_value_of(b->before.min[k]);
+        m.up[k] = m.high[k] - msap_value_of(b->before.max[k]);
         if (m.high[k] - m.low[k] > m.size) m.size = m.high[k] - m.low[k];
         if (!(magnitude(m.down[k]) <= m.step)) m.step = magnitude(m.down[k]);
         if (!(magnitude(m.up[k]) <= m.step)) m.step = magnitude(m.up[k]);
@@ -72,17 +71,17 @@ static void reach_out(struct place *p, const struct motion *m, uint32_t k, doubl
 {
     double down = magnitude(m->down[k]), up = magnitude(m->up[k]);
     double aside = (down > up ? down : up) * horizon * p->wobble / 8;
-    int32_t min = ordered_outward(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, 0);
-    int32_t max = ordered_outward(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, 1);
+    int32_t min = msap_ordered_outward(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, 0);
+    int32_t max = msap_ordered_outward(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, 1);
     if (min < p->fat.min[k]) p->fat.min[k] = min;
     if (max > p->fat.max[k]) p->fat.max[k] = max;
 }
 
 /* Gives a box that has left its skin in this commit a new one. */
-void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
+void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
 {
     if (g->config->margin >= 0) {
-        p->fat = bounds_widened(&b->now, g->config->margin);
+        p->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
     struct motion m = motion_of(b);
@@ -98,7 +97,7 @@ void skin_renew(struct place *p, const struct box *b, const struct grid *g, uint
 }
 
 /* For how many commits the skin would last that a box got for its motion in this one. */
-double skin_lifetime(const struct box *b)
+double msap_skin_lifetime(const struct box *b)
 {
     struct motion m = motion_of(b);
     double horizon = HORIZON_MOST;
@@ -108,7 +107,7 @@ double skin_lifetime(const struct box *b)
 
 /* A box that comes into the grid has no past to learn from. Unless it is static it
  * gets, besides a margin that is given, up to an eighth of its size on all sides. */
-void skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
+void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
 {
     float margin = g->config->margin;
     p->horizon = HORIZON_FIRST;
@@ -118,5 +117,5 @@ void skin_first(struct place *p, const struct box *b, const struct grid *g, uint
         double size = motion_of(b).size * (spread(slot, g->commit) - 0.5) / 4;
         margin = size < 1e30 ? (float)size : 0;
     }
-    p->fat = margin > 0 ? bounds_widened(&b->now, margin) : b->now;
+    p->fat = margin > 0 ? msap_bounds_widened(&b->now, margin) : b->now;
 }

@@ -64,7 +64,7 @@ static void slide_to(struct sap *s, uint32_t k, uint64_t key, const struct job *
 }
 
 /* Moves both end points of a stored box to its bounds `now`. */
-void axis_slide(struct sap *s, uint32_t k, uint32_t box, const struct job *job)
+void msap_axis_slide(struct sap *s, uint32_t k, uint32_t box, const struct job *job)
 {
     const struct axis *x = &s->axis[k];
     const struct bounds *to = &job->boxes->at[box].now;

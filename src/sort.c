@@ -8,15 +8,14 @@
  * does the same in place, more slowly, so that no sort can run out of memory. */
 #include "internal.h"
 
-
-int keys_reserve(struct keys *k, struct memory *m, size_t need)
+int msap_keys_reserve(struct keys *k, struct memory *m, size_t need)
 {
-    return memory_reserve(m, &k->at, &k->room, need, k->n, sizeof *k->at);
+    return msap_memory_reserve(m, &k->at, &k->room, need, k->n, sizeof *k->at);
 }
 
-void keys_free(struct keys *k, struct memory *m)
+void msap_keys_free(struct keys *k, struct memory *m)
 {
-    memory_free(m, k->at, k->room, sizeof *k->at);
+    msap_memory_free(m, k->at, k->room, sizeof *k->at);
     memset(k, 0, sizeof *k);
 }
 
@@ -66,7 +65,7 @@ static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned sh
 }
 
 /* Sorts key[n] upwards. scratch has room for n keys, or is NULL. */
-void sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
+void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
 {
     if (n <= 32) {
         insertion_sort(key, n);
@@ -103,7 +102,7 @@ static void wide_radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsign
 
 /* Sorts fewer than 2^32 keys, whose low halves are in order, by their high halves:
  * three passes, so the result is in scratch and is copied back. */
-void sort_values(uint64_t *key, size_t n, uint64_t *scratch)
+void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch)
 {
     if (n <= 32) {
         insertion_sort(key, n);
@@ -116,7 +115,7 @@ void sort_values(uint64_t *key, size_t n, uint64_t *scratch)
 }
 
 /* Drops the repeats of a sorted array; returns how many keys are left. */
-size_t unique_keys(uint64_t *key, size_t n)
+size_t msap_unique_keys(uint64_t *key, size_t n)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++)

@@ -50,13 +50,13 @@ static size_t misplaced_first(const struct grid *g, const struct box_table *t)
 static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 {
     uint32_t *changed = job->boxes->changed;
-    uint64_t *key = scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
+    uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
-        struct range base = grid_range(g, &g->place[changed[i]].fat);
-        key[i] = (uint64_t)(cell_at(&g->level[0], base.low) - g->cell) << 32 | changed[i];
+        struct range base = msap_grid_range(g, &g->place[changed[i]].fat);
+        key[i] = (uint64_t)(msap_cell_at(&g->level[0], base.low) - g->cell) << 32 | changed[i];
     }
-    sort_keys(key, n, key + n);
+    msap_sort_keys(key, n, key + n);
     for (size_t i = 0; i < n; i++) changed[i] = (uint32_t)key[i];
 }
 
@@ -64,12 +64,13 @@ static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 static void leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
-    grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]), grid_range(g, &g->place[slot].fat));
+    msap_grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]),
+                   msap_grid_range(g, &g->place[slot].fat));
     for (uint32_t i = 0; i < l->n; i++) {
         settle(job->settler, slot, l->at[i]);
-        near_remove(&g->near, l->at[i], slot);
+        msap_near_remove(&g->near, l->at[i], slot);
     }
-    near_drop(&g->near, job->memory, slot);
+    msap_near_drop(&g->near, job->memory, slot);
 }
 
 static uint32_t count_vain(const struct grid *g, const struct box *boxes, uint32_t slot)
@@ -86,14 +87,14 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
     if (p->level == NO_LEVEL) {
-        skin_first(p, b, g, slot);
-        struct range base = grid_range(g, &p->fat);
-        p->level = (uint8_t)grid_level_for(base);
-        return grid_put(g, job->memory, slot, is_static(b), base);
+        msap_skin_first(p, b, g, slot);
+        struct range base = msap_grid_range(g, &p->fat);
+        p->level = (uint8_t)msap_grid_level_for(base);
+        return msap_grid_put(g, job->memory, slot, is_static(b), base);
     }
-    struct range old = grid_range(g, &p->fat);
-    skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
-    return grid_move(g, job->memory, slot, is_static(b), old, grid_range(g, &p->fat));
+    struct range old = msap_grid_range(g, &p->fat);
+    msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
+    return msap_grid_move(g, job->memory, slot, is_static(b), old, msap_grid_range(g, &p->fat));
 }
 
 /* For the first n changed boxes; *gone of them, which are put first, have left. */
@@ -126,7 +127,7 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct tracking *t = context;
     for (size_t i = first; i < last; i++)
-        grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0);
+        msap_grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0);
 }
 
 /* Drops from the list of a box what is not tagged, and tags the rest as known. */
@@ -141,21 +142,21 @@ static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
             continue;
         }
         settle(job->settler, slot, other);
-        near_remove(&g->near, other, slot);
-        near_take_out(l, i);
+        msap_near_remove(&g->near, other, slot);
+        msap_near_take_out(l, i);
     }
 }
 
 static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
 {
-    return near_add(&g->near, job->memory, a, b) && near_add(&g->near, job->memory, b, a);
+    return msap_near_add(&g->near, job->memory, a, b) && msap_near_add(&g->near, job->memory, b, a);
 }
 
 /* Makes the list of a box what was found for it: keys first ... last - 1. */
 static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const uint64_t *first,
                       const uint64_t *last)
 {
-    grid_new_token(g);
+    msap_grid_new_token(g);
     for (const uint64_t *key = first; key < last; key++) g->tag[(uint32_t)*key] = g->token;
     part_from_old(g, job, slot);
     for (const uint64_t *key = first; key < last; key++) {
@@ -172,7 +173,7 @@ static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, si
     struct keys *found = &job->crew->worker[0].pairs;
     struct tracking t = {g, job, slot};
     found->n = 0;
-    if (!phase_run(job->crew, job->memory, ask, &t, n)) return 0;
+    if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
     for (size_t i = 0, at = 0; i < n; i++) {
         size_t end = at;
         while (end < found->n && found->at[end] >> 32 == slot[i]) end++;
@@ -213,8 +214,8 @@ static int touch_neighbours(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct tracking all = {g, job, t->changed};
-    if (t->n_changed * 2 > t->live) return phase_run(job->crew, job->memory, touch_all, &all, t->used);
-    return phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
+    if (t->n_changed * 2 > t->live) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
+    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
 }
 
 /* ---------------------------------------------------------------- choosing */
@@ -233,7 +234,7 @@ static double estimate_moves(const struct box_table *t)
     double moves = 0;
     for (size_t i = 0; i < t->n_changed; i += step, n++) {
         const struct box *b = &t->at[t->changed[i]];
-        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1 / skin_lifetime(b);
+        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1 / msap_skin_lifetime(b);
     }
     return n ? moves * (double)t->n_changed / (double)n : 0;
 }
@@ -261,16 +262,16 @@ static int is_upheaval(const struct grid *g, const struct box_table *t, size_t m
 
 /* Returns the strategy that was taken, or 0 without memory: then the grid must be
  * rebuilt. */
-uint32_t grid_update(struct grid *g, struct job *job, uint32_t strategy)
+uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 2048 };
     size_t misplaced = misplaced_first(g, job->boxes);
     int is_auto = strategy == MSAP_STRATEGY_AUTO;
     g->commit++;
     if (is_auto && is_upheaval(g, job->boxes, misplaced) && is_jumpy(job->boxes))
-        return grid_jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+        return msap_grid_jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || (is_auto && is_upheaval(g, job->boxes, misplaced)))
-        return grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+        return msap_grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }

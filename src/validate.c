@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-
 static const char *box_broken(const struct box *b)
 {
     const uint32_t lasting = BOX_LIVE | BOX_WAS | BOX_CHANGED;
@@ -66,10 +65,10 @@ msap_status msap_validate(const msap_world *world, const char **what)
 {
     if (!world) return MSAP_ERROR_NULL;
     const char *broken = boxes_broken(&world->boxes);
-    if (!broken && !is_grid(&world->config)) broken = sap_broken(&world->sap, &world->boxes);
+    if (!broken && !is_grid(&world->config)) broken = msap_sap_broken(&world->sap, &world->boxes);
     if (!broken && is_grid(&world->config) && !world->stale && world->grid.is_tracking)
-        broken = grid_broken(&world->grid, &world->boxes, &world->pairs);
-    if (!broken) broken = pairs_broken(&world->pairs);
+        broken = msap_grid_broken(&world->grid, &world->boxes, &world->pairs);
+    if (!broken) broken = msap_pairs_broken(&world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
     if (what) *what = broken;
     return broken ? MSAP_ERROR_CORRUPT : MSAP_OK;

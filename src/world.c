@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-
 msap_status msap_config_init(msap_config *config, size_t struct_size)
 {
     if (!config) return MSAP_ERROR_NULL;
@@ -44,7 +43,8 @@ static int grid_legal(const msap_config *c)
 static msap_status config_check(const msap_config *c)
 {
     if (c->struct_size != sizeof *c) return MSAP_ERROR_STRUCT_SIZE;
-    if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1) return MSAP_ERROR_CONFIG;
+    if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1)
+        return MSAP_ERROR_CONFIG;
     if (c->simd > MSAP_SIMD_256 || c->max_boxes > MSAP_MAX_BOXES) return MSAP_ERROR_CONFIG;
     return grid_legal(c) && jobs_legal(c) ? MSAP_OK : MSAP_ERROR_CONFIG;
 }
@@ -57,18 +57,18 @@ msap_status msap_create(const msap_config *config, msap_world **world)
     msap_config_init(&defaults, sizeof defaults);
     if (!config) config = &defaults;
     msap_status status = config_check(config);
-    if (status == MSAP_OK) status = memory_init(&memory, config->alloc, config->free, config->allocator_user);
+    if (status == MSAP_OK) status = msap_memory_init(&memory, config->alloc, config->free, config->allocator_user);
     if (status != MSAP_OK) return status;
-    msap_world *w = memory_alloc(&memory, 1, sizeof *w);
+    msap_world *w = msap_memory_alloc(&memory, 1, sizeof *w);
     if (!w) return MSAP_ERROR_MEMORY;
     memset(w, 0, sizeof *w);
     w->memory = memory;
     w->config = *config;
     w->error_bound = MSAP_NO_BOUND;
-    crew_init(&w->crew, config);
-    boxes_init(&w->boxes);
-    sap_init(&w->sap, config->dims);
-    grid_init(&w->grid, &w->config);
+    msap_crew_init(&w->crew, config);
+    msap_boxes_init(&w->boxes);
+    msap_sap_init(&w->sap, config->dims);
+    msap_grid_init(&w->grid, &w->config);
     *world = w;
     return MSAP_OK;
 }
@@ -76,40 +76,40 @@ msap_status msap_create(const msap_config *config, msap_world **world)
 msap_status msap_destroy(msap_world *world)
 {
     if (!world) return MSAP_OK;
-    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     struct memory m = world->memory;
-    sap_free(&world->sap, &m);
-    grid_free(&world->grid, &m);
-    boxes_free(&world->boxes, &m);
-    pairs_free(&world->pairs, &m);
-    crew_free(&world->crew, &m);
-    memory_free(&m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
-    memory_free(&m, world, 1, sizeof *world);
+    msap_sap_free(&world->sap, &m);
+    msap_grid_free(&world->grid, &m);
+    msap_boxes_free(&world->boxes, &m);
+    msap_pairs_free(&world->pairs, &m);
+    msap_crew_free(&world->crew, &m);
+    msap_memory_free(&m, world->scratch.at, world->scratch.room, sizeof *world->scratch.at);
+    msap_memory_free(&m, world, 1, sizeof *world);
     return MSAP_OK;
 }
 
 /* Gives back what the world does not need; changes may be pending. */
-void world_trim(msap_world *w)
+void msap_world_trim(msap_world *w)
 {
     struct memory *m = &w->memory;
-    pairs_trim(&w->pairs, m);
-    boxes_trim(&w->boxes, m);
-    crew_trim(&w->crew, m, w->boxes.used, w->pairs.active);
-    memory_resize(m, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
-    if (is_grid(&w->config)) grid_trim(&w->grid, m, w->boxes.used);
-    else sap_trim(&w->sap, m, w->boxes.used);
+    msap_pairs_trim(&w->pairs, m);
+    msap_boxes_trim(&w->boxes, m);
+    msap_crew_trim(&w->crew, m, w->boxes.used, w->pairs.active);
+    msap_memory_resize(m, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
+    if (is_grid(&w->config)) msap_grid_trim(&w->grid, m, w->boxes.used);
+    else msap_sap_trim(&w->sap, m, w->boxes.used);
 }
 
 msap_status msap_trim(msap_world *world)
 {
     if (!world) return MSAP_ERROR_NULL;
-    if (world->busy) return world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    world_trim(world);
+    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    msap_world_trim(world);
     return MSAP_OK;
 }
 
 /* Notes a failure for msap_last_error and hands the status on. */
-msap_status world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound)
+msap_status msap_world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound)
 {
     w->error_status = status;
     w->error_index = index;
