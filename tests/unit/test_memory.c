@@ -1,0 +1,467 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: memory comes from the world's allocator and goes back to it, with the
+ * right sizes; when it gives none, whichever call it is, the world stays as it was
+ * and the next try works; a warm commit asks for none, nor does one that only loses
+ * pairs.
+ *
+ * A session (common.h) checks on every failed call that nothing changed, calls
+ * again, and compares sizes at free and what is left at the end.
+ */
+#include <string.h>
+
+#include "checks.h"
+
+/* ------------------------------------------------------- the n-th call fails */
+
+/* A few random frames, with the n-th allocation failing; returns whether it came to
+ * an n-th. */
+static int frames_with_failure(size_t n, uint32_t dims, int strategy, uint64_t seed)
+{
+    msap_config config = config_of(dims, strategy);
+    session s;
+    int frame, failed;
+    right(session_open(&s, &config, seed, (scene_kind)(seed % SCENE_COUNT)));
+    s.memory.fail_at = s.memory.calls + n;
+    for (frame = 0; frame < 12; frame++) {
+        right(session_step(&s, 90));
+        if (frame % 5 == 4) {
+            right(session_trim(&s)); /* keeps what it cannot make smaller */
+            right(session_compare(&s));
+        }
+    }
+    failed = s.memory.failures > 0;
+    right(session_close(&s));
+    return failed;
+}
+
+START_TEST(any_allocation_of_a_scenario_may_fail)
+{
+    uint64_t seed;
+    for (seed = 0; seed < 3; seed++) {
+        size_t n = 1;
+        while (frames_with_failure(n, seed % 2 ? 2 : 3, _i, seed))
+            n++;
+        ck_assert_uint_gt(n, 5); /* there were some */
+    }
+}
+END_TEST
+
+START_TEST(create_may_fail)
+{
+    tracker m;
+    msap_config config = config_of(3, DEFAULT);
+    msap_world *world = NULL;
+    msap_status status;
+    size_t n = 0;
+    config.alloc = tracked_alloc;
+    config.free = tracked_free;
+    config.allocator_user = &m;
+    do {
+        memset(&m, 0, sizeof m);
+        m.fail_at = ++n;
+        status = msap_create(&config, &world);
+        if (status == MSAP_OK)
+            ok(msap_destroy(world));
+        else {
+            refused(status, MSAP_ERROR_MEMORY);
+            ck_assert_ptr_null(world);
+        }
+        ck_assert(m.blocks == 0 && m.bytes == 0 && m.wrong == 0);
+    } while (status != MSAP_OK);
+    ck_assert_uint_gt(n, 1);
+}
+END_TEST
+
+/* ------------------------------------------------------------ all calls fail */
+
+/* What needs no memory works without any: all but add, add_many and commit. */
+START_TEST(without_memory)
+{
+    box unit = cube(0, 1), far = cube(5, 6);
+    msap_boxes boxes = boxes_in_row(&unit);
+    msap_handle h[4], handle = 77;
+    void *data = NULL;
+    session s;
+    int i;
+    right(session_open(&s, NULL, 1, SCENE_GRID));
+    for (i = 0; i < 3; i++)
+        right(session_add(&s, &unit, 0, &h[i]));
+    right(session_commit(&s));
+    s.memory.fail_all = 1;
+    right(session_update(&s, h[0], &far));
+    ok(msap_update_many(s.world, 1, h, &boxes));
+    reference_update(&s.reference, h[0], &unit);
+    ok(msap_get_user_data(s.world, 1, h, &data));
+    ok(msap_set_user_data(s.world, 1, h, &data));
+    ok(msap_get_pair_data(s.world, 1, h, h + 1, &data));
+    ok(msap_set_pair_data(s.world, 1, h, h + 1, &data));
+    right(session_trim(&s));
+    right(session_compare(&s));
+    right(session_remove(&s, h[0]));
+    ok(msap_remove_many(s.world, 1, &h[1]));
+    reference_remove(&s.reference, h[1]);
+    right(session_compare(&s));
+    for (i = 0; i < 10000; i++) { /* sooner or later */
+        handle = 77;
+        if (msap_add(s.world, unit.min, unit.max, 0, (void *)s.next_tag, &handle) != MSAP_OK)
+            break;
+        ck_assert_uint_eq(handle, reference_add(&s.reference, &unit, 0, (void *)s.next_tag++));
+    }
+    ck_assert_int_lt(i, 10000);
+    ck_assert_uint_eq(handle, 77);
+    last_error(s.world, MSAP_ERROR_MEMORY, 0, MSAP_NO_BOUND);
+    refused(msap_add_many(s.world, 1, &boxes, NULL, NULL, &handle), MSAP_ERROR_MEMORY);
+    ck_assert_uint_eq(handle, 77);
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
+/* Failed commits, with changes between them; then one that succeeds tells the net
+ * difference to the last that did. */
+START_TEST(a_failed_commit_is_as_if_it_had_not_been)
+{
+    msap_config config = config_of(3, _i);
+    msap_handle h[100];
+    session s;
+    int i;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 100; i++) {
+        box apart = bar((float)(2 * i), (float)(2 * i + 1));
+        right(session_add(&s, &apart, 0, &h[i]));
+    }
+    right(session_commit(&s));
+    for (i = 0; i < 100; i++) { /* all in one place: 4950 new pairs */
+        box unit = cube(0, 1);
+        right(session_update(&s, h[i], &unit));
+    }
+    s.memory.fail_all = 1;
+    refused(msap_commit(s.world, NULL, NULL), MSAP_ERROR_MEMORY);
+    last_error(s.world, MSAP_ERROR_MEMORY, 0, MSAP_NO_BOUND);
+    right(session_compare(&s));
+    for (i = 0; i < 50; i++) /* half of them are removed after all */
+        right(session_remove(&s, h[i]));
+    refused(msap_commit(s.world, NULL, NULL), MSAP_ERROR_MEMORY);
+    right(session_compare(&s));
+    s.memory.fail_all = 0;
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 50 * 49 / 2);
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
+/* ---------------------------------------------------------------- no memory */
+
+/* By removals and by motion, down to none, with an allocator that gives nothing. */
+START_TEST(losing_pairs_needs_no_memory)
+{
+    msap_config config = config_of(3, _i % STRATEGIES);
+    msap_handle h[120];
+    session s;
+    int i;
+    config.filters = _i / STRATEGIES;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 120; i++) {
+        box bounds = cube(0, (float)(i % 7));
+        right(session_add(&s, &bounds, 0, &h[i]));
+    }
+    right(session_commit(&s));
+    s.memory.fail_all = 1;
+    for (i = 0; i < 40; i++) { /* a third moves off, in a row */
+        box apart = bar((float)(10 + 2 * i), (float)(11 + 2 * i));
+        right(session_update(&s, h[i], &apart));
+    }
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 80 * 79 / 2);
+    right(session_remove(&s, h[40]));
+    right(session_commit(&s));
+    for (i = 41; i < 80; i++)
+        right(session_remove(&s, h[i]));
+    right(session_commit(&s));
+    for (i = 80; i < 120; i++) { /* the rest jumps, past the row */
+        box apart = bar((float)(1000 - 2 * i), (float)(1001 - 2 * i));
+        right(session_update(&s, h[i], &apart));
+    }
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 0);
+    s.memory.fail_all = 0;
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
+/* The same after a trim, and after a commit that failed. */
+START_TEST(losing_pairs_needs_no_memory_at_any_time)
+{
+    msap_config config = config_of(3, _i);
+    box unit = cube(0, 1), far = cube(8, 9);
+    msap_handle h[60];
+    session s;
+    int i;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 60; i++)
+        right(session_add(&s, i < 50 ? &unit : &far, 0, &h[i]));
+    right(session_commit(&s));
+    right(session_trim(&s));
+    s.memory.fail_all = 1;
+    for (i = 0; i < 10; i++)
+        right(session_update(&s, h[i], &far)); /* to ten others: new pairs, for which there is no room */
+    for (i = 10; i < 60; i += 2)
+        right(session_remove(&s, h[i]));
+    refused(msap_commit(s.world, NULL, NULL), MSAP_ERROR_MEMORY);
+    right(session_compare(&s));
+    for (i = 0; i < 10; i++)
+        right(session_update(&s, h[i], &unit)); /* and back: now it only loses */
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 30 * 29 / 2 + 5 * 4 / 2);
+    right(session_remove(&s, h[0]));
+    right(session_commit(&s));
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
+/* All pairs at once, each parting on all axes, so that it is met three times; after a
+ * trim, so that there is no room to spare. */
+START_TEST(losing_all_pairs_needs_no_memory)
+{
+    msap_config config = config_of(3, _i % STRATEGIES);
+    box unit = cube(0, 1);
+    msap_handle h[40];
+    session s;
+    int i;
+    config.filters = _i / STRATEGIES;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 40; i++)
+        right(session_add(&s, &unit, 0, &h[i]));
+    right(session_commit(&s));
+    right(session_trim(&s));
+    s.memory.fail_all = 1;
+    for (i = 0; i < 40; i++) {
+        box apart = cube((float)(10 * (i - 20)), (float)(10 * (i - 20) + 1));
+        right(session_update(&s, h[i], &apart));
+    }
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.event_count, 40 * 39 / 2);
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
+/* The most of what a commit had so far. */
+typedef struct most {
+    size_t boxes, in_commit, pairs, events;
+} most;
+
+/* Whether one of them is passed; takes note of it. */
+static int passes(most *m, const most *now)
+{
+    most before = *m;
+    m->boxes = now->boxes > before.boxes ? now->boxes : before.boxes;
+    m->in_commit = now->in_commit > before.in_commit ? now->in_commit : before.in_commit;
+    m->pairs = now->pairs > before.pairs ? now->pairs : before.pairs;
+    m->events = now->events > before.events ? now->events : before.events;
+    return memcmp(m, &before, sizeof before) != 0;
+}
+
+/* Random frames: a commit that passes no earlier maximum of boxes (with those that
+ * are removed by it), pairs or events asks for nothing. */
+START_TEST(a_commit_that_passes_no_maximum_asks_for_nothing)
+{
+    msap_config config = config_of(3, _i % STRATEGIES);
+    session s;
+    most m = {0, 0, 0, 0};
+    int frame, warm = 0;
+    config.filters = _i / STRATEGIES;
+    right(session_open(&s, &config, (uint64_t)_i + 1, SCENE_GRID));
+    for (frame = 0; frame < 300; frame++) {
+        most now = {0, 0, 0, 0};
+        size_t calls;
+        right(session_change(&s, 40));
+        now.boxes = s.reference.live;
+        now.in_commit = s.reference.live + s.reference.removed_count;
+        calls = s.memory.calls;
+        right(session_commit(&s));
+        now.pairs = s.reference.pair_count;
+        now.events = s.reference.event_count;
+        if (!passes(&m, &now)) {
+            ck_assert_uint_eq(s.memory.calls, calls);
+            warm++;
+        }
+    }
+    ck_assert_int_gt(warm, 200);
+    right(session_close(&s));
+}
+END_TEST
+
+/* The same by hand: ten pairs; then five of them change partners, five deletes and
+ * five creates, no more events than before and no more pairs. */
+START_TEST(as_many_pairs_come_as_go)
+{
+    msap_config config = config_of(3, _i);
+    msap_handle h[20];
+    session s;
+    size_t calls;
+    int i;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 20; i++) {
+        box place = bar((float)(2 * (i % 10)), (float)(2 * (i % 10) + 1));
+        right(session_add(&s, &place, 0, &h[i]));
+    }
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 10);
+    calls = s.memory.calls;
+    for (i = 0; i < 5; i++) {
+        box place = bar((float)(2 * ((i + 1) % 5)), (float)(2 * ((i + 1) % 5) + 1));
+        right(session_update(&s, h[i], &place));
+    }
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.event_count, 10);
+    ck_assert_uint_eq(s.reference.pair_count, 10);
+    ck_assert_uint_eq(s.memory.calls, calls);
+    right(session_close(&s));
+}
+END_TEST
+
+/* A scene that repeats itself asks for nothing the second time, in no call. */
+START_TEST(a_scene_that_repeats_itself_asks_for_nothing)
+{
+    msap_config config = config_of(3, _i);
+    msap_handle h[60] = {0};
+    session s;
+    size_t calls = 0;
+    int round, frame, i;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (round = 0; round < 3; round++) {
+        uint64_t random = 7;
+        calls = s.memory.calls;
+        for (frame = 0; frame < 20; frame++) {
+            for (i = 0; i < 60; i++) {
+                box b = random_box(&random, SCENE_GRID);
+                if (frame == 0)
+                    right(session_add(&s, &b, 0, &h[i]));
+                else if ((i + frame) % 3 == 0)
+                    right(session_update(&s, h[i], &b));
+            }
+            right(session_commit(&s));
+        }
+        for (i = 0; i < 60; i++)
+            right(session_remove(&s, h[i]));
+        right(session_commit(&s));
+    }
+    ck_assert_uint_eq(s.memory.calls, calls);
+    right(session_close(&s));
+}
+END_TEST
+
+/* --------------------------------------------------------------------- trim */
+
+START_TEST(trim_gives_memory_back)
+{
+    msap_config config = config_of(3, _i);
+    const msap_pair *pairs;
+    msap_handle h[500];
+    session s;
+    size_t full, count;
+    int i;
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    for (i = 0; i < 500; i++) {
+        box b = random_box(&s.random, SCENE_GRID);
+        right(session_add(&s, &b, 0, &h[i]));
+    }
+    right(session_commit(&s));
+    full = s.memory.bytes;
+    for (i = 10; i < 500; i++)
+        right(session_remove(&s, h[i]));
+    right(session_commit(&s));
+    right(session_trim(&s));
+    ck_assert_uint_lt(s.memory.bytes, full);
+    right(session_compare(&s));
+    ok(msap_created(s.world, &pairs, &count));
+    ck_assert_uint_eq(count, 0);
+    ok(msap_deleted(s.world, &pairs, &count));
+    ck_assert_uint_eq(count, 0);
+    for (i = 0; i < 20; i++) /* and life goes on */
+        right(session_step(&s, 100));
+    right(session_close(&s));
+}
+END_TEST
+
+/* With changes pending, and after each frame. */
+START_TEST(trim_at_any_time)
+{
+    msap_config config = config_of(3, _i);
+    session s;
+    int frame;
+    right(session_open(&s, &config, 11, SCENE_GRID));
+    right(session_trim(&s));
+    for (frame = 0; frame < 60; frame++) {
+        right(session_change(&s, 40));
+        right(session_trim(&s));
+        right(session_compare(&s));
+        right(session_commit(&s));
+        right(session_trim(&s));
+        right(session_compare(&s));
+    }
+    right(session_close(&s));
+}
+END_TEST
+
+/* ----------------------------------------------------------------- balanced */
+
+/* Whatever is pending, destroy gives everything back. */
+START_TEST(destroy_with_changes_pending)
+{
+    msap_config config = config_of(3, _i);
+    session s;
+    int frame;
+    for (frame = 0; frame < 10; frame++) {
+        int i;
+        right(session_open(&s, &config, (uint64_t)frame, SCENE_GRID));
+        for (i = 0; i < frame; i++)
+            right(session_step(&s, 30));
+        right(session_change(&s, 30));
+        right(session_close(&s));
+    }
+}
+END_TEST
+
+/* Two worlds keep apart what is whose. */
+START_TEST(each_world_has_its_own_allocator)
+{
+    session a, b;
+    size_t bytes;
+    right(session_open(&a, NULL, 1, SCENE_GRID));
+    right(session_open(&b, NULL, 2, SCENE_GRID));
+    right(session_step(&a, 50));
+    bytes = a.memory.bytes;
+    right(session_step(&b, 50));
+    ck_assert_uint_eq(a.memory.bytes, bytes);
+    right(session_close(&b));
+    right(session_step(&a, 50));
+    right(session_close(&a));
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("memory");
+    tcase_add_loop_test(tests, any_allocation_of_a_scenario_may_fail, 0, SETUPS);
+    tcase_add_test(tests, create_may_fail);
+    tcase_add_test(tests, without_memory);
+    tcase_add_loop_test(tests, a_failed_commit_is_as_if_it_had_not_been, 0, SETUPS);
+    tcase_add_loop_test(tests, losing_pairs_needs_no_memory, 0, 2 * STRATEGIES);
+    tcase_add_loop_test(tests, losing_pairs_needs_no_memory_at_any_time, 0, SETUPS);
+    tcase_add_loop_test(tests, losing_all_pairs_needs_no_memory, 0, 2 * STRATEGIES);
+    tcase_add_loop_test(tests, a_commit_that_passes_no_maximum_asks_for_nothing, 0, 2 * STRATEGIES);
+    tcase_add_loop_test(tests, as_many_pairs_come_as_go, 0, SETUPS);
+    tcase_add_loop_test(tests, a_scene_that_repeats_itself_asks_for_nothing, 0, SETUPS);
+    tcase_add_loop_test(tests, trim_gives_memory_back, 0, SETUPS);
+    tcase_add_loop_test(tests, trim_at_any_time, 0, SETUPS);
+    tcase_add_loop_test(tests, destroy_with_changes_pending, 0, SETUPS);
+    tcase_add_test(tests, each_world_has_its_own_allocator);
+    return run_case(tests, "memory");
+}
