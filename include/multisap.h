@@ -292,6 +292,17 @@ MSAP_API msap_status msap_remove(msap_world *world, msap_handle handle);
  * Paper I.5b. */
 MSAP_API msap_status msap_remove_many(msap_world *world, size_t k, const msap_handle *handles);
 
+/* Moves the origin of the whole world to `offset` (dims doubles, finite, in the unit of
+ * the bounds): every bound b of every live box becomes b - offset, computed exactly and
+ * then rounded outward to the nearest float, a min down and a max up; so a box grows by
+ * less than one float on each side, and never misses what it touched. Infinite bounds
+ * stay; a min beyond -FLT_MAX becomes -inf, a max beyond FLT_MAX becomes +inf, and where
+ * the whole box is beyond, both do their outward part. Handles, pairs and user data
+ * stay; pairs that rounding makes are events of the next commit. Counts as an update of
+ * every box. Never allocates. Errors: MSAP_ERROR_NULL, _CONFIG (offset not finite),
+ * _BUSY. Thread rule: owner. Cost: O(n). */
+MSAP_API msap_status msap_shift_origin(msap_world *world, const double *offset);
+
 /* The bounds as last given (pending updates included), with -0 as +0; min and max
  * have room for dims floats. Errors: MSAP_ERROR_NULL, _HANDLE. Thread rule:
  * reader. Cost: constant. */
