@@ -82,22 +82,6 @@ size_t msap_boxes_slots_for(const struct box_table *t, size_t k)
     return t->used + (k - free);
 }
 
-/* The box of a handle if it has one of the flags, or NULL. */
-struct box *msap_box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
-{
-    uint32_t slot = slot_of(handle), generation = (uint32_t)handle;
-    if (slot >= t->used || generation == 0) return NULL;
-    struct box *b = &t->at[slot];
-    return b->generation == generation && (b->flags & flags) ? b : NULL;
-}
-
-static void mark_changed(struct box_table *t, uint32_t slot)
-{
-    if (t->at[slot].flags & BOX_CHANGED) return;
-    t->at[slot].flags |= BOX_CHANGED;
-    t->changed[t->n_changed++] = slot;
-}
-
 static uint32_t take_slot(struct box_table *t)
 {
     if (t->free.head != NONE) return queue_take(t, &t->free);
@@ -114,21 +98,15 @@ uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
     t->user_data[slot] = user_data;
     t->live++;
-    mark_changed(t, slot);
+    box_mark_changed(t, slot);
     return slot;
-}
-
-void msap_box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
-{
-    t->at[slot].now = *bounds;
-    mark_changed(t, slot);
 }
 
 void msap_box_remove(struct box_table *t, uint32_t slot)
 {
     t->at[slot].flags = (t->at[slot].flags & ~(uint32_t)BOX_LIVE) | BOX_REMOVED;
     t->live--;
-    mark_changed(t, slot);
+    box_mark_changed(t, slot);
     queue_put(t, &t->removed, slot);
 }
 

@@ -29,7 +29,7 @@ static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, c
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        msap_status status = msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        msap_status status = bounds_read(boxes, i, w->config.dims, &bounds, &bound);
         if (status == MSAP_OK && flags && (flags[i] & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
         if (status != MSAP_OK) return msap_world_fail(w, status, i, bound);
     }
@@ -62,7 +62,7 @@ static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, co
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound;
-        msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
         uint32_t slot = msap_box_add(&w->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
         handles[i] = handle_of(&w->boxes, slot);
     }
@@ -105,14 +105,14 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        struct box *b = msap_box_find(&w->boxes, handles[i], BOX_LIVE);
-        msap_status status = b ? msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
+        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        msap_status status = b ? bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
         if (status != MSAP_OK) {
             undo_update(&w->boxes, n_changed);
             return msap_world_fail(w, status, i, bound);
         }
         if (b->flags & BOX_CHANGED) ++*others;
-        else msap_box_change(&w->boxes, slot_of(handles[i]), &bounds);
+        else box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return MSAP_OK;
 }
@@ -129,8 +129,8 @@ static msap_status update_many(msap_world *w, size_t k, const msap_handle *handl
     for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
         struct bounds bounds;
         uint32_t bound;
-        msap_bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        msap_box_change(&w->boxes, slot_of(handles[i]), &bounds);
+        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
+        box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return status;
 }
@@ -154,7 +154,7 @@ msap_status msap_update(msap_world *world, msap_handle handle, const float *min,
 static msap_status check_remove(msap_world *w, size_t k, const msap_handle *handles)
 {
     for (size_t i = 0; i < k; i++) {
-        struct box *b = msap_box_find(&w->boxes, handles[i], BOX_LIVE);
+        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
         if (!b) {
             for (size_t j = 0; j < i; j++) w->boxes.at[slot_of(handles[j])].flags |= BOX_LIVE;
             return msap_world_fail(w, MSAP_ERROR_HANDLE, i, MSAP_NO_BOUND);

@@ -20,13 +20,9 @@
 #ifndef MSAP_INTERNAL_H
 #define MSAP_INTERNAL_H
 
-#include "multisap.h"
+#include "bounds.h"
 
 #include <string.h>
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 #define NONE UINT32_MAX /* no slot, no pair */
 
@@ -87,62 +83,26 @@ size_t msap_unique_keys(uint64_t *key, size_t n);
 
 /* ---------------------------------------------------------------- number.c */
 
-/* Bounds as integers of the same order as the floats, -0 being +0; in 2D worlds
- * min[2] = max[2] = 0. */
-struct bounds {
-    int32_t min[3], max[3];
-};
-
-/* A float's bits as an integer of the same order, and back (paper, appendix A). */
-static inline int32_t ordered_from_float_bits(uint32_t bits)
-{
-    bits = bits == 0x80000000u ? 0 : bits;
-    return (int32_t)(bits ^ (0u - (bits >> 31)) >> 1);
-}
-static inline uint32_t float_bits_from_ordered(int32_t ordered)
-{
-    uint32_t bits = (uint32_t)ordered;
-    return bits ^ (0u - (bits >> 31)) >> 1;
-}
-static inline float float_from_bits(uint32_t bits)
-{
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /* Where bounds come from: an msap_boxes with its struct_size checked. */
-msap_status msap_bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
-                             uint32_t *bound);
+msap_status msap_bounds_read_with_care(const msap_boxes *boxes, const char *min, const char *max, uint32_t dims,
+                                       struct bounds *out, uint32_t *bound);
 double msap_value_of(int32_t ordered);
 int32_t msap_ordered_outward(double value, unsigned up);
 struct bounds msap_bounds_widened(const struct bounds *b, float margin);
 msap_boxes msap_boxes_of_one(const float *min, const float *max);
 msap_status msap_boxes_check(const msap_boxes *boxes, size_t k);
 
-#if defined(__SSE2__)
-/* Both read four values where there are three; what follows the bounds in their
- * struct is read along and left out. */
-static inline __m128i load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
-
-static inline int overlap(const struct bounds *a, const struct bounds *b)
+/* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
+ * the one at fault. */
+static inline msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
+                                      uint32_t *bound)
 {
-    __m128i apart = _mm_or_si128(_mm_cmpgt_epi32(load_bounds(a->min), load_bounds(b->max)),
-                                 _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
-    return !(_mm_movemask_ps(_mm_castsi128_ps(apart)) & 7);
-}
-#else
-static inline int overlap(const struct bounds *a, const struct bounds *b)
-{
-    return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
-           (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
-}
-#endif
-
-static inline int contains(const struct bounds *outer, const struct bounds *inner)
-{
-    return (outer->min[0] <= inner->min[0]) & (inner->max[0] <= outer->max[0]) & (outer->min[1] <= inner->min[1]) &
-           (inner->max[1] <= outer->max[1]) & (outer->min[2] <= inner->min[2]) & (inner->max[2] <= outer->max[2]);
+    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
+    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
+    if (boxes->scalar == MSAP_FLOAT &&
+        encode(load_floats(min, boxes->min_component, dims), load_floats(max, boxes->max_component, dims), out))
+        return MSAP_OK;
+    return msap_bounds_read_with_care(boxes, min, max, dims, out, bound);
 }
 
 /* ------------------------------------------------------------------- box.c */
@@ -193,14 +153,34 @@ static inline msap_handle handle_of(const struct box_table *t, uint32_t slot)
 }
 static inline uint32_t slot_of(msap_handle handle) { return (uint32_t)(handle >> 32); }
 
+/* The box of a handle if it has one of the flags, or NULL. */
+static inline struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
+{
+    uint32_t slot = slot_of(handle), generation = (uint32_t)handle;
+    if (slot >= t->used || generation == 0) return NULL;
+    struct box *b = &t->at[slot];
+    return b->generation == generation && (b->flags & flags) ? b : NULL;
+}
+
+static inline void box_mark_changed(struct box_table *t, uint32_t slot)
+{
+    if (t->at[slot].flags & BOX_CHANGED) return;
+    t->at[slot].flags |= BOX_CHANGED;
+    t->changed[t->n_changed++] = slot;
+}
+
+static inline void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
+{
+    t->at[slot].now = *bounds;
+    box_mark_changed(t, slot);
+}
+
 void msap_boxes_init(struct box_table *t);
 void msap_boxes_free(struct box_table *t, struct memory *m);
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
 void msap_boxes_trim(struct box_table *t, struct memory *m);
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k);
-struct box *msap_box_find(const struct box_table *t, msap_handle handle, uint32_t flags);
 uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
-void msap_box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds);
 void msap_box_remove(struct box_table *t, uint32_t slot);
 void msap_boxes_committed(struct box_table *t);
 void msap_boxes_free_removed(struct box_table *t);
@@ -587,7 +567,7 @@ struct cell *msap_cell_at(const struct level *l, const int32_t at[3]);
 
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
-double msap_skin_lifetime(const struct box *b);
+float msap_skin_lifetime(const struct box *b);
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 

@@ -82,34 +82,6 @@ int32_t msap_ordered_outward(double value, unsigned up)
 
 /* ------------------------------------------------------------------- bounds */
 
-enum { ORDERED_INF = FLOAT_INF, ORDERED_MINUS_INF = -FLOAT_INF - 1 };
-
-/* The bits of three mins or maxes, and a fourth value; those of an axis that a 2D
- * world does not have are 0. */
-#if defined(__SSE2__)
-typedef __m128i lanes;
-static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
-{
-    return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);
-}
-#else
-typedef struct {
-    uint32_t at[3];
-} lanes;
-static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
-{
-    lanes l = {{x, y, z}};
-    return l;
-}
-#endif
-
-static inline uint32_t load(const char *at)
-{
-    uint32_t bits;
-    memcpy(&bits, at, sizeof bits);
-    return bits;
-}
-
 static inline uint64_t load_wide(const char *at)
 {
     uint64_t bits;
@@ -126,55 +98,11 @@ static uint64_t order_wide(uint64_t bits)
 
 static inline uint32_t load_outward(const char *at, unsigned up) { return float_bits_outward(load_wide(at), up); }
 
-static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
-{
-    return lanes_of(load(at), load(at + step), dims == 3 ? load(at + 2 * step) : 0);
-}
-
 static lanes load_doubles(const char *at, ptrdiff_t step, uint32_t dims, unsigned up)
 {
     return lanes_of(load_outward(at, up), load_outward(at + step, up),
                     dims == 3 ? load_outward(at + 2 * step, up) : 0);
 }
-
-/* Encodes a row. Returns 1 if it is legal: a NaN is above +inf or below -inf, so that
- * none stands between -inf <= min <= max <= +inf. */
-#if defined(__SSE2__)
-static inline __m128i encode_lanes(__m128i bits)
-{
-    bits = _mm_andnot_si128(_mm_cmpeq_epi32(bits, _mm_set1_epi32(INT32_MIN)), bits);
-    return _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
-}
-
-static inline void store_lanes(int32_t out[3], __m128i values)
-{
-    int32_t third = _mm_cvtsi128_si32(_mm_unpackhi_epi32(values, values));
-    _mm_storel_epi64((__m128i *)(void *)out, values);
-    out[2] = third;
-}
-
-static inline int encode(lanes min, lanes max, struct bounds *out)
-{
-    min = encode_lanes(min);
-    max = encode_lanes(max);
-    store_lanes(out->min, min);
-    store_lanes(out->max, max);
-    __m128i wrong = _mm_or_si128(_mm_cmpgt_epi32(_mm_set1_epi32(ORDERED_MINUS_INF), min),
-                                 _mm_cmpgt_epi32(max, _mm_set1_epi32(ORDERED_INF)));
-    return !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(wrong, _mm_cmpgt_epi32(min, max)))) & 7);
-}
-#else
-static inline int encode(lanes min, lanes max, struct bounds *out)
-{
-    int legal = 1;
-    for (int k = 0; k < 3; k++) {
-        out->min[k] = ordered_from_float_bits(min.at[k]);
-        out->max[k] = ordered_from_float_bits(max.at[k]);
-        legal &= (ORDERED_MINUS_INF <= out->min[k]) & (out->min[k] <= out->max[k]) & (out->max[k] <= ORDERED_INF);
-    }
-    return legal;
-}
-#endif
 
 static int is_nan(int32_t ordered) { return ordered < ORDERED_MINUS_INF || ordered > ORDERED_INF; }
 
@@ -202,18 +130,15 @@ static int doubles_inverted(const char *min, const char *max, const msap_boxes *
     return 0;
 }
 
-/* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
- * the one at fault. */
-msap_status msap_bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
-                             uint32_t *bound)
+/* Reads bounds that are doubles or not legal. */
+msap_status msap_bounds_read_with_care(const msap_boxes *boxes, const char *min, const char *max, uint32_t dims,
+                                       struct bounds *out, uint32_t *bound)
 {
-    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
-    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
     ptrdiff_t step_min = boxes->min_component, step_max = boxes->max_component;
-    if (boxes->scalar == MSAP_FLOAT)
-        return encode(load_floats(min, step_min, dims), load_floats(max, step_max, dims), out)
-                   ? MSAP_OK
-                   : diagnose(out, bound);
+    if (boxes->scalar == MSAP_FLOAT) {
+        encode(load_floats(min, step_min, dims), load_floats(max, step_max, dims), out);
+        return diagnose(out, bound);
+    }
     if (!encode(load_doubles(min, step_min, dims, 0), load_doubles(max, step_max, dims, 1), out))
         return diagnose(out, bound);
     return doubles_inverted(min, max, boxes, dims, bound) ? MSAP_ERROR_INVERTED : MSAP_OK;

@@ -75,7 +75,7 @@ static msap_status read_input(struct pruning *p, struct input *in, size_t n, con
     if (!in->bounds) return fail(error, MSAP_ERROR_MEMORY, base, MSAP_NO_BOUND);
     for (size_t i = 0; i < n; i++) {
         uint32_t bound = MSAP_NO_BOUND;
-        status = msap_bounds_read(boxes, i, p->dims, &in->bounds[i], &bound);
+        status = bounds_read(boxes, i, p->dims, &in->bounds[i], &bound);
         if (status != MSAP_OK) return fail(error, status, base + i, bound);
     }
     return MSAP_OK;

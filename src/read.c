@@ -7,7 +7,7 @@
 msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *min, float *max)
 {
     if (!world || !min || !max) return MSAP_ERROR_NULL;
-    const struct box *b = msap_box_find(&world->boxes, handle, BOX_LIVE);
+    const struct box *b = box_find(&world->boxes, handle, BOX_LIVE);
     if (!b) return MSAP_ERROR_HANDLE;
     for (uint32_t k = 0; k < world->config.dims; k++) {
         min[k] = float_from_bits(float_bits_from_ordered(b->now.min[k]));
@@ -22,7 +22,7 @@ msap_status msap_get_bounds(const msap_world *world, msap_handle handle, float *
 static size_t first_unknown(const msap_world *w, size_t k, const msap_handle *handles, uint32_t flags)
 {
     size_t i = 0;
-    while (i < k && msap_box_find(&w->boxes, handles[i], flags)) i++;
+    while (i < k && box_find(&w->boxes, handles[i], flags)) i++;
     return i;
 }
 

@@ -98,7 +98,7 @@ static void shift_box(struct box_table *t, uint32_t slot, const struct number *m
         b.min[k] = shifted(b.min[k], minus_offset[k], 0);
         b.max[k] = shifted(b.max[k], minus_offset[k], 1);
     }
-    msap_box_change(t, slot, &b);
+    box_change(t, slot, &b);
 }
 
 static int is_finite(double value)

@@ -18,7 +18,9 @@
  * contain the box; that is made sure on integers at the end. */
 #include "internal.h"
 
-enum { HORIZON_LEAST = 3, HORIZON_FIRST = 8, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 64 };
+static const float FAR = 1e30f; /* no skin for what is larger */
+
+enum { HORIZON_LEAST = 3, HORIZON_FIRST = 16, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 64 };
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
@@ -34,45 +36,61 @@ static void learn(struct place *p, uint32_t age, uint32_t vain)
     p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
 }
 
-static double magnitude(double x) { return x < 0 ? -x : x; }
+static float magnitude(float x) { return x < 0 ? -x : x; }
+static float larger(float a, float b) { return a > b ? a : b; }
+static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_ordered(ordered)); }
 
-/* How the box moved in this commit. */
+/* Encoded, but never as a NaN. */
+static int32_t ordered_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    int32_t ordered = ordered_from_float_bits(bits);
+    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
+    return ordered > ORDERED_INF ? ORDERED_INF : ordered;
+}
+
+/* How the box moved in this commit. Infinite bounds make NaNs of what depends on them. */
 struct motion {
-    double low[3], high[3], down[3], up[3]; /* bounds, and how far they went */
-    double size, step;                      /* the largest of all axes */
+    float low[3], high[3], down[3], up[3]; /* bounds, and how far they went */
+    float size, step;                      /* the largest of all axes */
 };
 
 static struct motion motion_of(const struct box *b)
 {
     struct motion m;
     m.size = m.step = 0;
-    for (uint32_t k = 0; k < 3; k++) {
-        m.low[k] = msap_value_of(b->now.min[k]);
-        m.high[k] = msap_value_of(b->now.max[k]);
-        m.down[k] = m.low[k] - msap_value_of(b->before.min[k]);
-        m.up[k] = m.high[k] - msap_value_of(b->before.max[k]);
-        if (m.high[k] - m.low[k] > m.size) m.size = m.high[k] - m.low[k];
-        if (!(magnitude(m.down[k]) <= m.step)) m.step = magnitude(m.down[k]);
-        if (!(magnitude(m.up[k]) <= m.step)) m.step = magnitude(m.up[k]);
+    for (int k = 0; k < 3; k++) {
+        m.low[k] = value_of(b->now.min[k]);
+        m.high[k] = value_of(b->now.max[k]);
+        m.down[k] = m.low[k] - value_of(b->before.min[k]);
+        m.up[k] = m.high[k] - value_of(b->before.max[k]);
+        m.size = larger(m.high[k] - m.low[k], m.size);
+        m.step = larger(larger(magnitude(m.down[k]), magnitude(m.up[k])), m.step);
     }
     return m;
 }
 
 /* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
  * leave their skins in one commit. */
-static double spread(uint32_t slot, uint32_t commit)
+static float spread(uint32_t slot, uint32_t commit)
 {
     uint32_t mixed = (slot ^ commit * 0x85ebca6bu) * 0x9e3779b1u;
-    return 0.5 + (double)(mixed >> 24) / 512;
+    return 0.5f + (float)(mixed >> 24) / 512;
+}
+
+/* For how many commits the box would go on within its own size, `most` at the most. */
+static float reach(const struct motion *m, float most)
+{
+    return m->step * most <= m->size ? most : m->size / m->step;
 }
 
 /* Widens the fat bounds on one axis for so many commits. */
-static void reach_out(struct place *p, const struct motion *m, uint32_t k, double horizon)
+static void reach_out(struct place *p, const struct motion *m, int k, float horizon)
 {
-    double down = magnitude(m->down[k]), up = magnitude(m->up[k]);
-    double aside = (down > up ? down : up) * horizon * p->wobble / 8;
-    int32_t min = msap_ordered_outward(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, 0);
-    int32_t max = msap_ordered_outward(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, 1);
+    float aside = m->step * horizon * (float)p->wobble / 8;
+    int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
+    int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
     if (min < p->fat.min[k]) p->fat.min[k] = min;
     if (max > p->fat.max[k]) p->fat.max[k] = max;
 }
@@ -88,20 +106,18 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     learn(p, g->commit - p->since, vain);
     p->since = g->commit;
     p->fat = b->now;
-    double horizon = p->horizon;
-    if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
-    if (!(horizon >= HORIZON_LEAST && m.size < 1e30)) return; /* nor if an infinity made a NaN */
+    float horizon = reach(&m, p->horizon);
+    if (!(horizon >= HORIZON_LEAST && m.size < FAR)) return;
     p->horizon = (uint8_t)horizon;
     horizon *= spread(slot, g->commit);
-    for (uint32_t k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
+    for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
 }
 
 /* For how many commits the skin would last that a box got for its motion in this one. */
-double msap_skin_lifetime(const struct box *b)
+float msap_skin_lifetime(const struct box *b)
 {
     struct motion m = motion_of(b);
-    double horizon = HORIZON_MOST;
-    if (!(m.step * horizon <= m.size)) horizon = m.size / m.step;
+    float horizon = reach(&m, HORIZON_MOST);
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
 
@@ -114,8 +130,8 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
     p->wobble = 1;
     p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
     if (margin == MSAP_MARGIN_AUTO && !(b->flags & BOX_STATIC)) {
-        double size = motion_of(b).size * (spread(slot, g->commit) - 0.5) / 4;
-        margin = size < 1e30 ? (float)size : 0;
+        margin = motion_of(b).size * (spread(slot, g->commit) - 0.5f) / 4;
+        if (!(margin < FAR)) margin = 0;
     }
     p->fat = margin > 0 ? msap_bounds_widened(&b->now, margin) : b->now;
 }

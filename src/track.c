@@ -234,7 +234,7 @@ static double estimate_moves(const struct box_table *t)
     double moves = 0;
     for (size_t i = 0; i < t->n_changed; i += step, n++) {
         const struct box *b = &t->at[t->changed[i]];
-        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1 / msap_skin_lifetime(b);
+        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1.0 / (double)msap_skin_lifetime(b);
     }
     return n ? moves * (double)t->n_changed / (double)n : 0;
 }

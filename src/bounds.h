@@ -1,0 +1,158 @@
+/* Bounds, three axes at a time: encoding, overlap, containment.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Each function stands here twice: for machines with SSE2, and in portable C. Both
+ * give the same. The vectors have a fourth value that means nothing: what follows
+ * the bounds in their struct is read along, and its result is left out. */
+#ifndef MSAP_BOUNDS_H
+#define MSAP_BOUNDS_H
+
+#include "multisap.h"
+
+#include <string.h>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+/* Bounds as integers of the same order as the floats, -0 being +0; in 2D worlds
+ * min[2] = max[2] = 0. */
+struct bounds {
+    int32_t min[3], max[3];
+};
+
+/* +inf and -inf encoded: what is above or below them is a NaN. */
+enum { ORDERED_INF = 0x7f800000, ORDERED_MINUS_INF = -0x7f800000 - 1 };
+
+/* A float's bits as an integer of the same order, and back (paper, appendix A). */
+static inline int32_t ordered_from_float_bits(uint32_t bits)
+{
+    bits = bits == 0x80000000u ? 0 : bits;
+    return (int32_t)(bits ^ (0u - (bits >> 31)) >> 1);
+}
+static inline uint32_t float_bits_from_ordered(int32_t ordered)
+{
+    uint32_t bits = (uint32_t)ordered;
+    return bits ^ (0u - (bits >> 31)) >> 1;
+}
+static inline float float_from_bits(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static inline uint32_t load_bits(const char *at)
+{
+    uint32_t bits;
+    memcpy(&bits, at, sizeof bits);
+    return bits;
+}
+
+#if defined(__SSE2__)
+
+typedef __m128i lanes;
+
+static inline lanes load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
+
+static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
+{
+    return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);
+}
+
+/* Whether none of the first three of a is above that of b. */
+static inline int none_above(lanes a, lanes b, lanes c, lanes d)
+{
+    lanes above = _mm_or_si128(_mm_cmpgt_epi32(a, b), _mm_cmpgt_epi32(c, d));
+    return !(_mm_movemask_ps(_mm_castsi128_ps(above)) & 7);
+}
+
+static inline int overlap(const struct bounds *a, const struct bounds *b)
+{
+    return none_above(load_bounds(a->min), load_bounds(b->max), load_bounds(b->min), load_bounds(a->max));
+}
+
+static inline int contains(const struct bounds *outer, const struct bounds *inner)
+{
+    return none_above(load_bounds(outer->min), load_bounds(inner->min), load_bounds(inner->max),
+                      load_bounds(outer->max));
+}
+
+static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
+{
+    if (step != sizeof(float))
+        return lanes_of(load_bits(at), load_bits(at + step), dims == 3 ? load_bits(at + 2 * step) : 0);
+    lanes two = _mm_loadl_epi64((const __m128i *)(const void *)at);
+    return dims == 3 ? _mm_unpacklo_epi64(two, _mm_cvtsi32_si128((int)load_bits(at + 2 * sizeof(float)))) : two;
+}
+
+static inline lanes encode_lanes(lanes bits)
+{
+    bits = _mm_andnot_si128(_mm_cmpeq_epi32(bits, _mm_set1_epi32(INT32_MIN)), bits);
+    return _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+}
+
+static inline void store_lanes(int32_t out[3], lanes values)
+{
+    _mm_storel_epi64((__m128i *)(void *)out, values);
+    out[2] = _mm_cvtsi128_si32(_mm_unpackhi_epi32(values, values));
+}
+
+/* Encodes bounds. Returns 1 if they are legal: since a NaN is above +inf or below
+ * -inf, none stands between -inf <= min <= max <= +inf. */
+static inline int encode(lanes min, lanes max, struct bounds *out)
+{
+    min = encode_lanes(min);
+    max = encode_lanes(max);
+    store_lanes(out->min, min);
+    store_lanes(out->max, max);
+    lanes nan = _mm_or_si128(_mm_cmpgt_epi32(_mm_set1_epi32(ORDERED_MINUS_INF), min),
+                             _mm_cmpgt_epi32(max, _mm_set1_epi32(ORDERED_INF)));
+    return !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(nan, _mm_cmpgt_epi32(min, max)))) & 7);
+}
+
+#else
+
+typedef struct {
+    uint32_t at[3];
+} lanes;
+
+static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
+{
+    lanes l = {{x, y, z}};
+    return l;
+}
+
+static inline int overlap(const struct bounds *a, const struct bounds *b)
+{
+    return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
+           (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
+}
+
+static inline int contains(const struct bounds *outer, const struct bounds *inner)
+{
+    return (outer->min[0] <= inner->min[0]) & (inner->max[0] <= outer->max[0]) & (outer->min[1] <= inner->min[1]) &
+           (inner->max[1] <= outer->max[1]) & (outer->min[2] <= inner->min[2]) & (inner->max[2] <= outer->max[2]);
+}
+
+static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
+{
+    return lanes_of(load_bits(at), load_bits(at + step), dims == 3 ? load_bits(at + 2 * step) : 0);
+}
+
+static inline int encode(lanes min, lanes max, struct bounds *out)
+{
+    int legal = 1;
+    for (int k = 0; k < 3; k++) {
+        out->min[k] = ordered_from_float_bits(min.at[k]);
+        out->max[k] = ordered_from_float_bits(max.at[k]);
+        legal &= (ORDERED_MINUS_INF <= out->min[k]) & (out->min[k] <= out->max[k]) & (out->max[k] <= ORDERED_INF);
+    }
+    return legal;
+}
+
+#endif
+
+#endif
