@@ -4,52 +4,55 @@
  * SPDX-License-Identifier: MIT
  *
  * This is the SAP of a few dozen boxes: to sort so few costs more than to test
- * them all, eight at a time (simd.c). The bounds stand in split arrays one behind
- * the other: the mins on three axes, the maxes, the slots. Boxes that are not
- * static stand first, so that a static box is tested against them alone. */
+ * them all, eight at a time (simd.c). They stand in blocks of eight, since a row
+ * is written about as often as a block is swept, and a block is four cache lines.
+ * Boxes that are not static stand first, so that a static box is tested against
+ * them alone. */
 #include "internal.h"
 
 static unsigned class_for(uint32_t room)
 {
     unsigned class = 0;
-    while (((uint32_t)CELL_UNIT << class) < room) class ++;
+    while (((uint32_t)8 << class) < room) class ++;
     return class;
 }
 
-static uint32_t *ids(const struct cell *c) { return (uint32_t *)(void *)(c->at + 6 * (size_t)c->room); }
-
 void msap_cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot)
 {
-    for (uint32_t k = 0; k < 3; k++) {
-        c->at[k * (size_t)c->room + row] = b->min[k];
-        c->at[(3 + k) * (size_t)c->room + row] = b->max[k];
+    struct cell_block *block = &c->block[row / 8];
+    for (int k = 0; k < 3; k++) {
+        block->min[k][row % 8] = b->min[k];
+        block->max[k][row % 8] = b->max[k];
     }
-    ids(c)[row] = slot;
+    block->id[row % 8] = slot;
 }
 
 /* Reads a row; returns the slot. */
 uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b)
 {
-    for (uint32_t k = 0; k < 3; k++) {
-        b->min[k] = c->at[k * (size_t)c->room + row];
-        b->max[k] = c->at[(3 + k) * (size_t)c->room + row];
+    const struct cell_block *block = &c->block[row / 8];
+    for (int k = 0; k < 3; k++) {
+        b->min[k] = block->min[k][row % 8];
+        b->max[k] = block->max[k][row % 8];
     }
-    return ids(c)[row];
+    return block->id[row % 8];
 }
 
 static void move_row(struct cell *c, uint32_t from, uint32_t to)
 {
-    for (uint32_t array = 0; array < 7; array++)
-        c->at[array * (size_t)c->room + to] = c->at[array * (size_t)c->room + from];
+    struct bounds b;
+    if (from == to) return;
+    uint32_t slot = msap_cell_row(c, from, &b);
+    msap_cell_put_row(c, to, &b, slot);
 }
 
 /* Room for n boxes in a cell that has none. Returns 0 without memory. */
 int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n)
 {
     unsigned class = class_for(n);
-    c->at = msap_pool_get(p, m, class);
-    if (!c->at) return 0;
-    c->room = (uint32_t)CELL_UNIT << class;
+    c->block = msap_pool_get(p, m, class);
+    if (!c->block) return 0;
+    c->room = (uint32_t)8 << class;
     return 1;
 }
 
@@ -60,9 +63,9 @@ static int grow(struct cell *c, struct pool *p, struct memory *m)
         *c = old;
         return 0;
     }
-    for (uint32_t array = 0; old.n > 0 && array < 7; array++)
-        memcpy(c->at + array * (size_t)c->room, old.at + array * (size_t)old.room, old.n * sizeof *c->at);
-    if (old.room > 0) msap_pool_put(p, m, old.at, class_for(old.room));
+    if (old.room == 0) return 1;
+    memcpy(c->block, old.block, old.room / 8 * sizeof *c->block);
+    msap_pool_put(p, m, old.block, class_for(old.room));
     return 1;
 }
 
@@ -82,9 +85,8 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
 
 static uint32_t row_of(const struct cell *c, uint32_t slot, int is_static)
 {
-    const uint32_t *id = ids(c);
     uint32_t row = is_static ? c->n_moving : 0;
-    while (id[row] != slot) row++;
+    while (c->block[row / 8].id[row % 8] != slot) row++;
     return row;
 }
 
@@ -108,6 +110,6 @@ void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t
 
 void msap_cell_drop(struct cell *c, struct pool *p, struct memory *m)
 {
-    if (c->room > 0) msap_pool_put(p, m, c->at, class_for(c->room));
+    if (c->room > 0) msap_pool_put(p, m, c->block, class_for(c->room));
     memset(c, 0, sizeof *c);
 }

@@ -146,7 +146,7 @@ void msap_grid_init(struct grid *g, const msap_config *config)
     g->config = config;
     g->sweep = msap_sweep_for(config->simd);
     g->sweep_row = msap_sweep_row_for(config->simd);
-    msap_pool_init(&g->pool, 7 * CELL_UNIT * sizeof(int32_t));
+    msap_pool_init(&g->pool, sizeof(struct cell_block));
     msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }
 

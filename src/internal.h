@@ -391,12 +391,16 @@ void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots);
 
 /* ---------------------------------------------------------- cell.c, simd.c */
 
-enum { CELL_UNIT = 8 }; /* boxes in the smallest cell */
+/* Eight boxes of a cell, each in a column. */
+struct cell_block {
+    int32_t min[3][8], max[3][8];
+    uint32_t id[8];
+};
 
-/* The fat boxes that touch a cell: arrays of `room` values, the mins on three axes,
- * the maxes, the slots. The first n_moving boxes are those that are not static. */
+/* The fat boxes that touch a cell; row r is column r % 8 of block r / 8. The first
+ * n_moving rows are those of boxes that are not static. */
 struct cell {
-    int32_t *at;
+    struct cell_block *block;
     uint32_t n, n_moving, room;
 };
 
