@@ -46,6 +46,7 @@ static msap_status find_events(msap_world *w)
     struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, &w->crew, w->config.filters};
     s->boxes = w->boxes.at;
     s->memory = &w->memory;
+    s->has_repeats = !is_grid(&w->config);
     uint32_t strategy = update(w, &job);
     w->stale = strategy == 0;
     w->strategy_used[strategy]++;

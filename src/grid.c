@@ -104,6 +104,8 @@ static uint64_t cells_in(struct range r, uint32_t shift)
 uint32_t msap_grid_level_for(struct range base)
 {
     uint32_t level = 0;
+    if (base.high[0] <= base.low[0] + 1 && base.high[1] <= base.low[1] + 1 && base.high[2] <= base.low[2] + 1)
+        return 0; /* 8 cells at the most */
     while (level < TOP && cells_in(base, LEVEL_SHIFT * level) > MOST_CELLS) level++;
     return level;
 }

@@ -196,6 +196,7 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
+    int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
     uint64_t touched, crossings;
 };

@@ -13,23 +13,29 @@
  * look like removals it lets only the real ones through. */
 #include "internal.h"
 
-/* Makes room for one more key in a list that is full: by dropping repeats, and by
- * growing unless they were half of it or more. So a list grows only if more pairs
- * changed than ever before, however often they were touched. */
-static int make_room(struct settler *s, struct keys *list)
+/* Returns whether there is room then. */
+static int drop_repeats(struct keys *list)
 {
     msap_sort_keys(list->at, list->n, NULL);
     list->n = msap_unique_keys(list->at, list->n);
-    if (list->n <= list->room / 2 && list->room > 0) return 1;
-    if (s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
     return list->n < list->room;
+}
+
+/* Makes room for one more key in a list that is full. Where one pair may be touched
+ * often, the list first drops repeats, and grows unless they were half of it or more:
+ * so it grows only if more pairs changed than ever before, however often they were
+ * touched. */
+static int make_room(struct settler *s, struct keys *list)
+{
+    if (s->has_repeats && drop_repeats(list) && list->n <= list->room / 2) return 1;
+    return s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64);
 }
 
 /* A pair that overlaps now and did not before, or the other way round. */
 void msap_settle_change(struct settler *s, uint64_t key, int is)
 {
     struct keys *list = is ? &s->fresh : &s->doomed;
-    if (list->n < list->room || make_room(s, list)) list->at[list->n++] = key;
+    if (list->n < list->room || make_room(s, list) || drop_repeats(list)) list->at[list->n++] = key;
     else s->lost |= is || !s->memory; /* the doomed list of the calling thread holds all known pairs */
 }
 
