@@ -220,6 +220,26 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 }
 
 int msap_touch_known_pairs(struct job *job);
+
+/* A pair that is known to overlap now, found once. */
+static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
+{
+    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    uint32_t both = p->flags & q->flags;
+    int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
+    s->touched++;
+    if (!was && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
+}
+
+/* A pair that is known to have overlapped before. */
+static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
+{
+    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    int is = ((p->flags & q->flags & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
+    s->touched++;
+    if (!is) msap_settle_change(s, pair_key(a, b), 0);
+}
+
 void msap_touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */

@@ -20,7 +20,8 @@
  * Sorting and filling take the calling thread, sweeps and tests all workers. */
 #include "internal.h"
 
-enum { MOST_ROWS = 8, MOST_ACTIVE = 6 };
+enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
+#define IN_ROWS 0x80000000u /* with a slot: its box is in several rows */
 
 /* The rows that a box touches. */
 struct row_range {
@@ -49,7 +50,7 @@ static uint32_t finest_axis(const struct spread s[3])
     return best;
 }
 
-/* Rows are twice as wide as most boxes, and wider while a sweep would meet only few
+/* Rows are half as wide again as most boxes or more, and wider while a sweep would meet only few
  * boxes at a time. */
 static void choose_rows(struct rows *r, const struct box_table *boxes)
 {
@@ -57,7 +58,7 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
     msap_spread_of(boxes, s);
     double active = (double)boxes->live;
     for (uint32_t k = 0; k < 3; k++) {
-        s[k].exponent = msap_exponent_for(2 * s[k].size);
+        s[k].exponent = msap_exponent_for(1.5 * s[k].size);
         if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
     }
     for (uint32_t k = 0; k < 3; k++) r->axis[k] = (finest_axis(s) + k) % 3;
@@ -75,18 +76,10 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
 
 /* --------------------------------------------------------------- steps 1, 2 */
 
-static size_t row_at(const struct rows *r, int32_t y, int32_t z)
+/* The numbers of rows are powers of two. */
+static inline size_t row_at(const struct rows *r, int32_t y, int32_t z)
 {
-    return wrap(z, r->count[1]) * (size_t)r->count[0] + wrap(y, r->count[0]);
-}
-
-static void sort_boxes(struct jump *j, uint64_t *scratch)
-{
-    const struct box_table *t = j->job->boxes;
-    uint32_t axis = j->grid->rows.axis[0];
-    for (uint32_t slot = 0; slot < t->used; slot++)
-        if (t->at[slot].flags & BOX_LIVE) j->order[j->n++] = key_make(t->at[slot].now.min[axis], 0, slot);
-    msap_sort_values(j->order, j->n, scratch);
+    return ((uint32_t)z & (r->count[1] - 1)) * (size_t)r->count[0] + ((uint32_t)y & (r->count[0] - 1));
 }
 
 /* The rows that a box touches; returns how many, in 64 bits. */
@@ -110,27 +103,27 @@ static uint64_t range_rows(const struct rows *r, const struct bounds *b, struct 
     return rows;
 }
 
-/* Counts the boxes of each row into `end`, and puts the wide ones aside. Returns the
- * number of entries in all rows. */
+/* Finds the rows of each box, counts the boxes of each row into `end`, and puts the
+ * wide boxes aside. Returns the number of entries in all rows. */
 static size_t count_rows(struct jump *j)
 {
     const struct rows *r = &j->grid->rows;
-    size_t entries = 0, kept = 0;
+    const struct box_table *t = j->job->boxes;
+    size_t entries = 0;
     memset(j->end, 0, (size_t)r->count[0] * r->count[1] * sizeof *j->end);
-    for (size_t i = 0; i < j->n; i++) {
-        uint32_t slot = key_box(j->order[i]);
+    for (uint32_t slot = 0; slot < t->used; slot++) {
         struct row_range *range = &j->range[slot];
-        uint64_t rows = range_rows(r, &j->job->boxes->at[slot].now, range);
+        if (!(t->at[slot].flags & BOX_LIVE)) continue;
+        uint64_t rows = range_rows(r, &t->at[slot].now, range);
         if (rows > MOST_ROWS) {
             j->wide[j->n_wide++] = slot;
             continue;
         }
-        j->order[kept++] = j->order[i];
+        j->order[j->n++] = key_make(t->at[slot].now.min[r->axis[0]], 0, slot);
         entries += rows;
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
             for (int32_t y = range->low[0]; y <= range->high[0]; y++) j->end[row_at(r, y, z)]++;
     }
-    j->n = kept;
     return entries;
 }
 
@@ -147,18 +140,33 @@ static void fill_rows(struct jump *j)
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
         const struct row_range *range = &j->range[slot];
+        int is_in_one = range->low[0] == range->high[0] && range->low[1] == range->high[1];
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
             for (int32_t y = range->low[0]; y <= range->high[0]; y++)
-                row_set_put(&j->set, j->end[row_at(r, y, z)]++, &j->job->boxes->at[slot].now, r->axis, slot);
+                row_set_put(&j->set, j->end[row_at(r, y, z)]++, &j->job->boxes->at[slot].now, r->axis,
+                            is_in_one ? slot : slot | IN_ROWS);
     }
 }
 
 /* --------------------------------------------------------------- steps 3, 4 */
 
+/* Whether a row is the one in which two boxes are taken. */
 static int is_meeting_row(const struct jump *j, size_t row, uint32_t a, uint32_t b)
 {
     const int32_t *p = j->range[a].low, *q = j->range[b].low;
     return row_at(&j->grid->rows, p[0] > q[0] ? p[0] : q[0], p[1] > q[1] ? p[1] : q[1]) == row;
+}
+
+/* Touches the boxes that entry i of a row meets behind it. */
+static void sweep_from(const struct jump *j, struct worker *w, size_t row, uint32_t i, uint32_t end)
+{
+    uint32_t entry = j->set.id[i], slot = entry & ~IN_ROWS;
+    size_t n = j->grid->sweep_row(&j->set, i, end, w->found);
+    for (size_t f = 0; f < n; f++) {
+        uint32_t other = w->found[f] & ~IN_ROWS;
+        if ((entry & w->found[f] & IN_ROWS) && !is_meeting_row(j, row, slot, other)) continue;
+        settle_found(&w->settler, slot, other);
+    }
 }
 
 /* Sweeps rows first ... last - 1. */
@@ -167,12 +175,7 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
     const struct jump *j = context;
     for (size_t row = first; row < last; row++) {
         uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
-        for (uint32_t i = start; i + 1 < end; i++) {
-            size_t n = j->grid->sweep_row(&j->set, i, end, w->found);
-            for (size_t f = 0; f < n; f++)
-                if (is_meeting_row(j, row, j->set.id[i], w->found[f]))
-                    settle(&w->settler, j->set.id[i], w->found[f]);
-        }
+        for (uint32_t i = start; i + 1 < end; i++) sweep_from(j, w, row, i, end);
     }
 }
 
@@ -214,8 +217,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
         r->chosen_at = g->commit;
     }
     if (!place_arrays(&j)) return 0;
-    sort_boxes(&j, j.order + job->boxes->used);
     if (!msap_row_set_make(&g->row_set, job->memory, count_rows(&j))) return 0;
+    msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
     fill_rows(&j);
     return msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&

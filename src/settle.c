@@ -42,14 +42,11 @@ void msap_settle_change(struct settler *s, uint64_t key, int is)
 static void touch_known(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct job *job = context;
-    const struct box *boxes = job->boxes->at;
-    for (size_t i = first; i < last; i++) {
-        uint32_t a = slot_of(job->pairs->at[i].a), b = slot_of(job->pairs->at[i].b);
-        if ((boxes[a].flags | boxes[b].flags) & BOX_CHANGED) settle(&w->settler, a, b);
-    }
+    const msap_pair *pair = job->pairs->at;
+    for (size_t i = first; i < last; i++) settle_known(&w->settler, slot_of(pair[i].a), slot_of(pair[i].b));
 }
 
-/* Touches the known pairs of changed boxes. Returns 0 without memory. */
+/* Touches the known pairs. Returns 0 without memory. */
 int msap_touch_known_pairs(struct job *job)
 {
     return msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
