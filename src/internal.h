@@ -394,6 +394,7 @@ enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
 struct near_list {
     uint32_t *at;
     uint32_t n_above, n, room;
+    uint32_t noted; /* the list holds boxes that are not near any more: 1 + the next such list, else 0 */
 };
 
 /* b is in the list of a exactly if a is in the list of b, and they are exactly if
@@ -401,11 +402,14 @@ struct near_list {
 struct near_lists {
     struct near_list *of; /* [slots] */
     size_t room;
+    uint32_t first_noted; /* 1 + the slot of the first noted list; 0: none, as between commits */
     struct pool pool;
 };
 
 int msap_near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other);
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
+void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
+                    const void *context);
 void msap_near_drop(struct near_lists *all, struct memory *m, uint32_t self);
 void msap_near_take_out(struct near_list *l, uint32_t i);
 void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots);

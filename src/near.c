@@ -52,13 +52,37 @@ void msap_near_take_out(struct near_list *l, uint32_t i)
     l->at[i] = l->at[--l->n];
 }
 
-/* Takes `other` out of the list of `self`, where it is. */
+/* Takes `other` out of the list of `self`, if it is still there, now that their fat
+ * bounds do not overlap any more. A long list is only noted, to be gone through once
+ * for all that left it: else boxes that leave a crowd together would search each
+ * other's lists in turn. */
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
 {
+    enum { LONG = 64 };
     struct near_list *l = &all->of[self];
-    uint32_t i = other > self ? 0 : l->n_above;
-    while (l->at[i] != other) i++;
-    msap_near_take_out(l, i);
+    if (l->n > LONG) {
+        if (l->noted) return;
+        l->noted = all->first_noted + 1;
+        all->first_noted = self + 1;
+        return;
+    }
+    uint32_t i = other > self ? 0 : l->n_above, end = other > self ? l->n_above : l->n;
+    while (i < end && l->at[i] != other) i++;
+    if (i < end) msap_near_take_out(l, i);
+}
+
+/* Takes out of the noted lists what is not near any more, as is_near says. */
+void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
+                    const void *context)
+{
+    while (all->first_noted != 0) {
+        uint32_t self = all->first_noted - 1;
+        struct near_list *l = &all->of[self];
+        all->first_noted = l->noted - 1;
+        l->noted = 0;
+        for (uint32_t i = l->n; i-- > 0;)
+            if (!is_near(context, self, l->at[i])) msap_near_take_out(l, i);
+    }
 }
 
 /* Gives the memory of an empty list back. */
@@ -66,7 +90,9 @@ void msap_near_drop(struct near_lists *all, struct memory *m, uint32_t self)
 {
     struct near_list *l = &all->of[self];
     if (l->room > 0) msap_pool_put(&all->pool, m, l->at, class_for(l->room));
+    uint32_t noted = l->noted;
     memset(l, 0, sizeof *l);
+    l->noted = noted;
 }
 
 /* Empties all lists. */
@@ -78,5 +104,6 @@ void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots)
             msap_pool_put(&all->pool, m, l->at, class_for(l->room));
         memset(l, 0, sizeof *l);
     }
+    all->first_noted = 0;
     msap_pool_empty(&all->pool);
 }

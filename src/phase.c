@@ -141,15 +141,20 @@ static int run_in_tasks(struct crew *crew, struct memory *m, phase_fn run, void 
     return done;
 }
 
-/* Runs a phase over n items; its output is appended to that of worker 0. Returns 0
- * without memory. */
+/* Runs a phase over n items; its output is appended to that of worker 0. Without the
+ * memory for tasks the calling thread does all. Returns 0 if that lacks memory too. */
 int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n)
 {
+    struct worker *own = &crew->worker[0];
+    size_t fresh = own->settler.fresh.n, doomed = own->settler.doomed.n, pairs = own->pairs.n;
     size_t tasks = n / ITEMS_WORTH_A_TASK + 1;
     if (tasks > crew->size) tasks = crew->size;
-    if (tasks > 1) return run_in_tasks(crew, m, run, context, n, tasks);
-    run(context, &crew->worker[0], 0, n);
-    return !crew->worker[0].settler.lost;
+    if (tasks > 1 && run_in_tasks(crew, m, run, context, n, tasks)) return 1;
+    own->settler.fresh.n = fresh;
+    own->settler.doomed.n = doomed;
+    own->pairs.n = pairs;
+    run(context, own, 0, n);
+    return !own->settler.lost;
 }
 
 /* Appends a pair to the worker's buffer. */

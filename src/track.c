@@ -183,6 +183,13 @@ static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, si
     return 1;
 }
 
+/* Whether two boxes are neighbours by their fat bounds. */
+static int is_near(const void *context, uint32_t a, uint32_t b)
+{
+    const struct grid *g = context;
+    return g->place[b].level != NO_LEVEL && overlap(&g->place[a].fat, &g->place[b].fat);
+}
+
 /* ------------------------------------------------------------------ step 5 */
 
 /* Every pair once, from the lower box. */
@@ -234,7 +241,8 @@ static double estimate_moves(const struct box_table *t)
     double moves = 0;
     for (size_t i = 0; i < t->n_changed; i += step, n++) {
         const struct box *b = &t->at[t->changed[i]];
-        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS)) moves += 1.0 / (double)msap_skin_lifetime(b);
+        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
+            moves += 1.0 / (double)msap_skin_lifetime(b);
     }
     return n ? moves * (double)t->n_changed / (double)n : 0;
 }
@@ -250,7 +258,9 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     if (by_cell) order_by_cell(g, job, misplaced);
     if (!place_misplaced(g, job, misplaced, &gone)) return 0;
     g->moves = misplaced;
-    return renew_lists(g, job, job->boxes->changed + gone, misplaced - gone) && touch_neighbours(g, job);
+    if (!renew_lists(g, job, job->boxes->changed + gone, misplaced - gone)) return 0;
+    msap_near_tidy(&g->near, is_near, g);
+    return touch_neighbours(g, job);
 }
 
 /* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
