@@ -65,36 +65,50 @@ static const char *cells_broken(const struct grid *g, const struct box_table *bo
 
 /* -------------------------------------------------------------- neighbours */
 
-static int is_near(const struct grid *g, uint32_t a, uint32_t b)
+/* A number that tells pairs of slots apart; sums of them tell sets of pairs apart. */
+static uint64_t mark_of(uint32_t low, uint32_t high)
 {
-    const struct near_list *l = &g->near.of[a];
-    uint32_t i = b > a ? 0 : l->n_above, end = b > a ? l->n_above : l->n;
-    while (i < end && l->at[i] != b) i++;
-    return i < end;
+    uint64_t x = ((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 31) * 0xbf58476d1ce4e5b9u;
+    return x ^ x >> 29;
 }
 
-static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot)
+static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint64_t *marks)
 {
     const struct near_list *l = &g->near.of[slot];
-    if (l->n > l->room || l->n_above > l->n) return "a neighbour list is overfull";
+    if (l->n > l->room || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
     for (uint32_t i = 0; i < l->n; i++) {
         uint32_t other = l->at[i];
         if (other >= boxes->used || (other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
-        if (!is_near(g, other, slot)) return "a box is a neighbour, but not the other way round";
         if (boxes->at[slot].flags & boxes->at[other].flags & BOX_STATIC) return "two static boxes are neighbours";
         if (!overlap(&g->place[slot].fat, &g->place[other].fat))
             return "the fat bounds of neighbours do not overlap";
+        *marks += i < l->n_above ? mark_of(slot, other) : 0 - mark_of(other, slot);
     }
     return NULL;
 }
 
+/* Whether b is in the list of a; a long list is not searched. */
+static int is_near(const struct grid *g, uint32_t a, uint32_t b)
+{
+    enum { LONG = 256 };
+    const struct near_list *l = &g->near.of[a];
+    uint32_t i = 0;
+    while (i < l->n && l->n <= LONG && l->at[i] != b) i++;
+    return i < l->n;
+}
+
+/* The marks of all pairs, added from the lower box and taken off from the higher one,
+ * leave nothing if lists are mutual. */
 static const char *lists_broken(const struct grid *g, const struct box_table *boxes,
                                 const struct pair_table *pairs)
 {
+    uint64_t marks = 0;
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
-        const char *broken = list_broken(g, boxes, slot);
+        const char *broken = list_broken(g, boxes, slot, &marks);
         if (broken) return broken;
     }
+    if (marks != 0) return "a box is a neighbour, but not the other way round";
     for (size_t i = 0; i < pairs->active; i++)
         if (!is_near(g, slot_of(pairs->at[i].a), slot_of(pairs->at[i].b))) return "a pair are no neighbours";
     return NULL;
