@@ -60,15 +60,19 @@ static msap_status find_events(msap_world *w)
     return MSAP_OK;
 }
 
-/* Step 3: room for the events, and on the doomed list for every pair there will be. */
+/* Step 3: room for the events, and in the lists for as many again: with it they drop
+ * repeats instead of growing (settle.c). The doomed list has room for all pairs. */
 static msap_status reserve_events(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
-    size_t active = w->pairs.active - s->doomed.n + s->fresh.n;
+    size_t active = w->pairs.active - s->doomed.n + s->fresh.n, times = s->has_repeats ? 2 : 1;
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (s->fresh.n == 0) return MSAP_OK;
-    if (!msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n)) return MSAP_ERROR_MEMORY;
-    return msap_keys_reserve(&s->doomed, &w->memory, w->pairs.most_active) ? MSAP_OK : MSAP_ERROR_MEMORY;
+    if (!msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) ||
+        !msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) ||
+        !msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active))
+        return MSAP_ERROR_MEMORY;
+    return MSAP_OK;
 }
 
 /* Steps 1 to 4. */

@@ -7,11 +7,11 @@
  * between commits would be worth keeping. So nothing is: all boxes are pruned
  * completely (paper I.4c), and the pairs known from before are tested once more.
  *
- * 1. The boxes are sorted by their min on the sweep axis, the one on which they are
- *    finest compared with the scene.
- * 2. The other axes cut space into rows along the sweep axis: the paper's grid, one
- *    SAP a row (II.2). Each box is written into the rows that it touches, in sweep
- *    order, so that every row is sorted. Rows wrap around, as cells do (grid.c).
+ * 1. All axes but one, the one on which boxes are finest compared with the scene, cut
+ *    space into rows along that one: the paper's grid, one SAP a row (II.2). Rows wrap
+ *    around, as cells do (grid.c). The boxes of each row are counted.
+ * 2. The boxes are sorted by their min on that axis and written, in this order, into
+ *    the rows that they touch: so every row is sorted.
  * 3. Each row is swept: from each box over those behind it until one starts after its
  *    end, eight at a time. Two boxes that meet in several rows are taken in the one
  *    that holds the higher of their low corners.

@@ -17,8 +17,9 @@
  * the cells and however wide the skins are; a pair seen in several cells is one
  * pair, since a list holds it once (II.3b).
  *
- * Steps 3 and 5, which are the most work, run on all workers. If most boxes would
- * have to be put elsewhere, all cells and lists are made anew instead (rebuild.c). */
+ * Steps 3 and 5 run on all workers. Where too many boxes would have to be put
+ * elsewhere, one by one is not the way: if their motion says that new skins will last,
+ * all cells and lists are made anew (rebuild.c), else nothing is kept (jump.c). */
 #include "internal.h"
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
