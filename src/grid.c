@@ -61,24 +61,24 @@ static int32_t floor_divide(int32_t a, int32_t b)
 }
 
 /* The cells of level 0 that a box touches. */
-struct range msap_grid_range(const struct grid *g, const struct bounds *b)
+struct range msap_range_of(const struct layout *l, const struct bounds *b)
 {
     struct range r;
     int32_t low[4], high[4];
-    msap_units_of(g->scale, b->min, low);
-    msap_units_of(g->scale, b->max, high);
+    msap_units_of(l->scale, b->min, low);
+    msap_units_of(l->scale, b->max, high);
     for (int k = 0; k < 3; k++) {
-        r.low[k] = g->is_told ? floor_divide(low[k] - g->origin[k], g->width[k]) : low[k];
-        r.high[k] = g->is_told ? floor_divide(high[k] - g->origin[k], g->width[k]) : high[k];
+        r.low[k] = l->is_told ? floor_divide(low[k] - l->origin[k], l->width[k]) : low[k];
+        r.high[k] = l->is_told ? floor_divide(high[k] - l->origin[k], l->width[k]) : high[k];
     }
     return r;
 }
 
 /* The same on another level, without naming a wrapped cell twice: a range around all
  * cells starts below every other. */
-struct range msap_grid_range_on(const struct grid *g, struct range base, uint32_t level)
+struct range msap_range_on(const struct layout *layout, struct range base, uint32_t level)
 {
-    const struct level *l = &g->level[level];
+    const struct level *l = &layout->level[level];
     uint32_t shift = LEVEL_SHIFT * level;
     for (uint32_t k = 0; k < 3; k++) {
         base.low[k] = floor_shift(base.low[k], shift);
@@ -101,7 +101,7 @@ static uint64_t cells_in(struct range r, uint32_t shift)
 }
 
 /* The finest level on which a box touches no more than MOST_CELLS. */
-uint32_t msap_grid_level_for(struct range base)
+uint32_t msap_level_for(struct range base)
 {
     uint32_t level = 0;
     if (base.high[0] <= base.low[0] + 1 && base.high[1] <= base.low[1] + 1 && base.high[2] <= base.low[2] + 1)
@@ -172,9 +172,8 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
 /* Empties all cells and lists. */
 void msap_grid_empty(struct grid *g, struct memory *m)
 {
-    for (size_t i = 0; i < g->n_cells; i++) msap_cell_drop(&g->cell[i], &g->pool, m);
+    for (int i = 0; i < 2; i++) msap_layout_empty(&g->layout[i], &g->pool, m);
     msap_pool_empty(&g->pool);
-    for (uint32_t level = 0; level < LEVELS; level++) g->level[level].boxes = 0;
     msap_near_empty(&g->near, m, g->slots);
     for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
     g->is_tracking = 0;
@@ -187,10 +186,9 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_grid_empty(g, m);
     msap_pool_free(&g->pool, m);
     msap_pool_free(&g->near.pool, m);
-    g->n_cells = 0;
-    g->laid_out_for = 0;
+    for (int i = 0; i < 2; i++) msap_layout_free(&g->layout[i], m);
     msap_row_set_free(&g->row_set, m);
-    msap_memory_resize(m, &g->cell, &g->room_cell, 0, 0, sizeof *g->cell);
+    g->rows.chosen_for = 0;
     g->slots = slots;
     msap_memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
@@ -208,15 +206,16 @@ void msap_grid_free(struct grid *g, struct memory *m)
 
 /* -------------------------------------------------- entering, kept and left */
 
-/* Puts a box, whose place has its fat bounds and level, into its cells: base, as
- * grid_range gives them. Returns 0 without memory. */
+/* Puts a box, whose place has its fat bounds, layout and level, into its cells: base, as
+ * msap_range_of gives them. Returns 0 without memory. */
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
-    struct level *l = &g->level[p->level];
-    struct cell_walk w = msap_cell_walk(l, msap_grid_range_on(g, base, p->level));
+    struct layout *l = &g->layout[p->layout];
+    struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;)
         if (!msap_cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
+    l->level[p->level].boxes++;
     l->boxes++;
     return 1;
 }
@@ -225,50 +224,64 @@ int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct place *p = &g->place[slot];
-    struct level *l = &g->level[p->level];
-    struct cell_walk w = msap_cell_walk(l, msap_grid_range_on(g, base, p->level));
+    struct layout *l = &g->layout[p->layout];
+    struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
+    l->level[p->level].boxes--;
     l->boxes--;
     p->level = NO_LEVEL;
 }
 
 static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
 
-/* Brings the cells of a box up to date with its new fat bounds. Cells left, kept and
- * entered (paper II.3c): mostly all are kept, else all are left and entered. Returns 0
- * without memory. */
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
-                   struct range to)
+/* Brings the cells of a box up to date with its fat bounds, which were `old`. Cells left,
+ * kept and entered (paper II.3c): mostly all are kept, else all are left, and those of
+ * the current layout entered. Returns 0 without memory. */
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old)
 {
     struct place *p = &g->place[slot];
-    if (same_range(&from, &to)) {
-        struct cell_walk w = msap_cell_walk(&g->level[p->level], msap_grid_range_on(g, to, p->level));
+    struct range from = msap_range_of(&g->layout[p->layout], old);
+    struct range to = msap_range_of(&g->layout[g->current], &p->fat);
+    if (p->layout == g->current && same_range(&from, &to)) {
+        const struct layout *l = &g->layout[p->layout];
+        struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, to, p->level));
         for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_update(c, &p->fat, slot, is_static);
         return 1;
     }
     msap_grid_take(g, m, slot, is_static, from);
-    p->level = (uint8_t)msap_grid_level_for(to);
+    p->layout = (uint8_t)g->current;
+    p->level = (uint8_t)msap_level_for(to);
     return msap_grid_put(g, m, slot, is_static, to);
 }
 
 /* ------------------------------------------------------------------ asking */
+
+/* The part of a query (below) over some cells. */
+static void query_cells(const struct grid *g, struct worker *w, struct cell_walk walk, uint32_t self,
+                        int is_static)
+{
+    const struct bounds *fat = &g->place[self].fat;
+    for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
+        if (c->n == 0) continue;
+        size_t n = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found);
+        for (size_t i = 0; i < n; i++)
+            if (w->found[i] != self) msap_worker_put(w, (uint64_t)self << 32 | w->found[i]);
+    }
+}
 
 /* Writes, behind each other as pairs with `self`, the boxes on levels from first_level
  * on whose fat bounds overlap those of `self`; for a static box, those that are not
  * static. A box that is met in several cells is written several times. */
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level)
 {
-    const struct bounds *fat = &g->place[self].fat;
-    struct range base = msap_grid_range(g, fat);
-    for (uint32_t level = first_level; level < LEVELS; level++) {
-        if (g->level[level].boxes == 0) continue;
-        struct cell_walk walk = msap_cell_walk(&g->level[level], msap_grid_range_on(g, base, level));
-        for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
-            if (c->n == 0) continue;
-            size_t n = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found);
-            for (size_t i = 0; i < n; i++)
-                if (w->found[i] != self) msap_worker_put(w, (uint64_t)self << 32 | w->found[i]);
-        }
+    for (int i = 0; i < 2; i++) {
+        const struct layout *l = &g->layout[i];
+        if (l->boxes == 0) continue;
+        struct range base = msap_range_of(l, &g->place[self].fat);
+        for (uint32_t level = first_level; level < LEVELS; level++)
+            if (l->level[level].boxes > 0)
+                query_cells(g, w, msap_cell_walk(&l->level[level], msap_range_on(l, base, level)), self,
+                            is_static);
     }
 }
 

@@ -4,18 +4,23 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-void msap_grid_count(const struct grid *g, msap_world_stats *stats)
+static void count_cells(const struct layout *l, msap_world_stats *stats)
 {
-    uint64_t neighbours = 0;
-    stats->moves = g->moves;
-    stats->giants = g->level[TOP].boxes;
-    for (size_t i = 0; i < g->n_cells; i++) {
-        const struct cell *c = &g->cell[i];
+    stats->giants += l->level[TOP].boxes;
+    for (size_t i = 0; i < l->n_cells; i++) {
+        const struct cell *c = &l->cell[i];
         stats->cells += c->n > 0;
         stats->cells_empty += c->n == 0;
         stats->incidences += c->n;
         if (c->n > stats->largest_cell) stats->largest_cell = c->n;
     }
+}
+
+void msap_grid_count(const struct grid *g, msap_world_stats *stats)
+{
+    uint64_t neighbours = 0;
+    stats->moves = g->moves;
+    for (int i = 0; i < 2; i++) count_cells(&g->layout[i], stats);
     for (size_t slot = 0; slot < g->slots; slot++) neighbours += g->near.of[slot].n;
     stats->candidates = neighbours / 2;
 }
@@ -25,8 +30,9 @@ void msap_grid_count(const struct grid *g, msap_world_stats *stats)
 static uint64_t cells_of(const struct grid *g, uint32_t slot)
 {
     const struct place *p = &g->place[slot];
+    const struct layout *l = &g->layout[p->layout];
     struct cell_walk w =
-        msap_cell_walk(&g->level[p->level], msap_grid_range_on(g, msap_grid_range(g, &p->fat), p->level));
+        msap_cell_walk(&l->level[p->level], msap_range_on(l, msap_range_of(l, &p->fat), p->level));
     uint64_t n = 0;
     while (cell_next(&w)) n++;
     return n;
@@ -45,21 +51,36 @@ static const char *row_broken(const struct grid *g, const struct box_table *boxe
     return NULL;
 }
 
-/* A box stands once in every cell that its fat bounds touch, and in no other. */
-static const char *cells_broken(const struct grid *g, const struct box_table *boxes)
+/* Adds the boxes of all cells of a layout to *rows. */
+static const char *layout_broken(const struct grid *g, const struct layout *l, const struct box_table *boxes,
+                                 uint64_t *rows)
 {
-    uint64_t rows = 0, expected = 0;
-    for (size_t i = 0; i < g->n_cells; i++) {
-        const struct cell *c = &g->cell[i];
+    for (size_t i = 0; i < l->n_cells; i++) {
+        const struct cell *c = &l->cell[i];
         if (c->n > c->room || c->n_moving > c->n) return "a cell is overfull";
-        rows += c->n;
+        *rows += c->n;
         for (uint32_t row = 0; row < c->n; row++) {
             const char *broken = row_broken(g, boxes, c, row);
             if (broken) return broken;
         }
     }
-    for (uint32_t slot = 0; slot < boxes->used; slot++)
-        if (g->place[slot].level != NO_LEVEL) expected += cells_of(g, slot);
+    return NULL;
+}
+
+/* A box stands once in every cell that its fat bounds touch, and in no other. */
+static const char *cells_broken(const struct grid *g, const struct box_table *boxes)
+{
+    uint64_t rows = 0, expected = 0, in_grid = 0;
+    for (int i = 0; i < 2; i++) {
+        const char *broken = layout_broken(g, &g->layout[i], boxes, &rows);
+        if (broken) return broken;
+    }
+    for (uint32_t slot = 0; slot < boxes->used; slot++) {
+        if (g->place[slot].level == NO_LEVEL) continue;
+        expected += cells_of(g, slot);
+        in_grid++;
+    }
+    if (in_grid != g->layout[0].boxes + g->layout[1].boxes) return "the layouts hold another number of boxes";
     return rows == expected ? NULL : "a box is not in all cells that it touches";
 }
 

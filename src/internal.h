@@ -460,6 +460,20 @@ struct level {
     size_t boxes; /* that are in this level */
 };
 
+/* A choice of cells, and what is in them. */
+struct layout {
+    float scale[4];    /* floor(x * scale) counts units of an axis: powers of two; 0: all is one unit */
+    int is_told;       /* a unit is a cell of level 0, unless the grid is as told: then */
+    int32_t origin[3]; /* from this unit on */
+    int32_t width[3];  /* so many are */
+    struct level level[LEVELS];
+    struct cell *cell; /* of all levels */
+    size_t n_cells, room_cell;
+    size_t boxes;       /* in all levels */
+    size_t chosen_for;  /* boxes in the world when it was chosen, and one; 0: there is no layout */
+    uint32_t chosen_at; /* the commit in which it was */
+};
+
 /* Where a box is in the grid. */
 struct place {
     struct bounds fat; /* its bounds with its skin: what its cells know of it */
@@ -467,15 +481,13 @@ struct place {
     uint8_t level;     /* or NO_LEVEL: not in the grid */
     uint8_t horizon;   /* for how many commits its skin was made */
     uint8_t wobble;    /* how much of its reach the skin has on all sides, in eighths */
-    uint8_t unused;
+    uint8_t layout;    /* of which its level is */
 };
 
-/* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
- * lists that follow from them. */
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
     uint32_t axis[3]; /* the sweep axis first */
-    float scale[4];   /* as grid.scale */
+    float scale[4];   /* as layout.scale */
     uint32_t count[2];
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
@@ -505,31 +517,28 @@ static inline void row_set_put(struct row_set *set, uint32_t at, const struct bo
     set->id[at] = slot;
 }
 
+/* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
+ * lists that follow from them. New cells are those of the current layout; while the
+ * other one still holds boxes, they are moved over, some in each commit. */
 struct grid {
     const msap_config *config;
-    sweep_row_fn sweep_row;
-    struct rows rows;
-    struct row_set row_set;
     sweep_fn sweep;
-    float scale[4];    /* floor(x * scale) counts units of an axis: powers of two; 0: all is one unit */
-    int is_told;       /* a unit is a cell of level 0, unless the grid is as told: then */
-    int32_t origin[3]; /* from this unit on */
-    int32_t width[3];  /* so many are */
-    struct level level[LEVELS];
-    struct cell *cell; /* of all levels */
-    size_t n_cells, room_cell;
-    struct pool pool;    /* of the cells */
-    struct place *place; /* [slots] */
+    sweep_row_fn sweep_row;
+    struct layout layout[2];
+    uint32_t current;
+    uint32_t next_to_move; /* slot */
+    struct pool pool;      /* of the cells */
+    struct place *place;   /* [slots] */
     struct near_lists near;
     uint32_t *tag; /* [slots] within a commit: `token` marks what was found for a box */
     size_t slots;  /* of the box table that the arrays above are ready for */
     size_t room_place, room_tag;
     uint32_t token;
-    uint32_t commit;      /* counts commits, for the age of skins */
-    size_t laid_out_for;  /* boxes when the layout was chosen; 0: no layout yet */
-    uint32_t laid_out_at; /* the commit in which it was */
-    size_t moves;         /* boxes that the last commit put into other cells or gave a new skin */
-    int is_tracking;      /* cells and lists are up to date; 0 after a commit that kept nothing */
+    uint32_t commit; /* counts commits, for the age of skins */
+    size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
+    int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
+    struct rows rows;
+    struct row_set row_set;
 };
 
 void msap_grid_init(struct grid *g, const msap_config *config);
@@ -537,16 +546,18 @@ void msap_grid_empty(struct grid *g, struct memory *m);
 void msap_grid_free(struct grid *g, struct memory *m);
 void msap_grid_trim(struct grid *g, struct memory *m, size_t slots);
 int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots);
-struct range msap_grid_range(const struct grid *g, const struct bounds *b);
-struct range msap_grid_range_on(const struct grid *g, struct range base, uint32_t level);
-uint32_t msap_grid_level_for(struct range base);
+struct range msap_range_of(const struct layout *l, const struct bounds *b);
+struct range msap_range_on(const struct layout *l, struct range base, uint32_t level);
+uint32_t msap_level_for(struct range base);
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
-                   struct range to);
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
 void msap_grid_new_token(struct grid *g);
-int msap_grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes);
+int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
+void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m);
+void msap_layout_free(struct layout *l, struct memory *m);
+int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *boxes);
 void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units);
 
 /* What a sample of the boxes says about an axis. */
@@ -560,7 +571,7 @@ double msap_power_of_two(int exponent);
 int msap_exponent_for(double value);
 double msap_cells_on(const struct spread *s);
 uint32_t msap_count_for(double cells);
-int msap_layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes);
+int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 /* floor(a / 2^shift) */
 static inline int32_t floor_shift(int32_t a, uint32_t shift)

@@ -208,11 +208,12 @@ static int place_arrays(struct jump *j)
 /* Touches all pairs that overlap and all that did. Returns 0 without memory. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
+    enum { COMMITS = 64 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
     g->is_tracking = 0;
     g->moves = job->boxes->live;
-    if (msap_layout_is_old(r->chosen_for, r->chosen_at, g->commit, job->boxes->live)) {
+    if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;
     }

@@ -102,35 +102,36 @@ uint32_t msap_count_for(double cells)
 }
 
 /* Gives the levels their cells. Returns 0 without memory. */
-static int make_levels(struct grid *g, struct memory *m, const uint32_t count[3])
+static int make_levels(struct layout *l, struct memory *m, const uint32_t count[3])
 {
     size_t first[LEVELS], cells = 0;
-    for (uint32_t level = 0; level < LEVELS; level++) {
-        struct level *l = &g->level[level];
+    for (uint32_t i = 0; i < LEVELS; i++) {
+        struct level *level = &l->level[i];
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t coarse = level == TOP ? 1 : count[k] >> (LEVEL_SHIFT * level);
-            l->count[k] = coarse ? coarse : 1;
+            uint32_t coarse = i == TOP ? 1 : count[k] >> (LEVEL_SHIFT * i);
+            level->count[k] = coarse ? coarse : 1;
         }
-        first[level] = cells;
-        cells += (size_t)l->count[0] * l->count[1] * l->count[2];
+        level->boxes = 0;
+        first[i] = cells;
+        cells += (size_t)level->count[0] * level->count[1] * level->count[2];
     }
-    g->n_cells = 0;
-    if (!msap_memory_reserve(m, &g->cell, &g->room_cell, cells, 0, sizeof *g->cell)) return 0;
-    memset(g->cell, 0, cells * sizeof *g->cell);
-    g->n_cells = cells;
-    for (uint32_t level = 0; level < LEVELS; level++) g->level[level].cell = g->cell + first[level];
+    if (!msap_memory_reserve(m, &l->cell, &l->room_cell, cells, 0, sizeof *l->cell)) return 0;
+    memset(l->cell, 0, cells * sizeof *l->cell);
+    l->n_cells = cells;
+    for (uint32_t i = 0; i < LEVELS; i++) l->level[i].cell = l->cell + first[i];
     return 1;
 }
 
 /* From the boxes: powers of two. */
-static void lay_out_for_boxes(struct grid *g, const struct box_table *boxes, uint32_t count[3])
+static void lay_out_for_boxes(struct layout *l, const msap_config *c, const struct box_table *boxes,
+                              uint32_t count[3])
 {
     struct spread s[3];
     msap_spread_of(boxes, s);
-    choose_cells(s, (double)boxes->live, g->config->cell_size);
+    choose_cells(s, (double)boxes->live, c->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
         count[k] = msap_count_for(msap_cells_on(&s[k]));
-        g->scale[k] = count[k] == 1 ? 0 : (float)msap_power_of_two(-s[k].exponent);
+        l->scale[k] = count[k] == 1 ? 0 : (float)msap_power_of_two(-s[k].exponent);
     }
 }
 
@@ -138,40 +139,100 @@ static double larger(double a, double b) { return a > b ? a : b; }
 
 /* As configured. The larger of the bounds is 2^24 units, as much as a float can tell
  * apart; a cell is a whole number of them. */
-static void lay_out_as_told(struct grid *g, uint32_t count[3])
+static void lay_out_as_told(struct layout *l, const msap_config *c, uint32_t count[3])
 {
-    const msap_config *c = g->config;
-    g->is_told = 1;
+    l->is_told = 1;
     for (uint32_t k = 0; k < 3; k++) {
         double min = c->grid_min[k], max = c->grid_max[k];
         count[k] = c->grid_cells[k];
-        g->scale[k] = 0;
-        g->origin[k] = 0;
-        g->width[k] = 1;
+        l->scale[k] = 0;
+        l->origin[k] = 0;
+        l->width[k] = 1;
         if (count[k] == 1) continue;
         int unit = msap_exponent_for(larger(larger(min, -min), larger(max, -max))) - 24;
-        g->scale[k] = (float)msap_power_of_two(-limited(unit));
-        g->origin[k] = (int32_t)(min * g->scale[k]);
-        g->width[k] = (int32_t)((max - min) * g->scale[k] / count[k]) + 1;
+        l->scale[k] = (float)msap_power_of_two(-limited(unit));
+        l->origin[k] = (int32_t)(min * l->scale[k]);
+        l->width[k] = (int32_t)((max - min) * l->scale[k] / count[k]) + 1;
     }
 }
 
-/* A layout is good for a while, and for about as many boxes as it was made for. */
-int msap_layout_is_old(size_t chosen_for, uint32_t chosen_at, uint32_t now, size_t boxes)
+/* A layout is good for about as many boxes as it was chosen for. */
+int msap_is_outgrown(size_t chosen_for, size_t boxes)
 {
-    enum { COMMITS = 64 };
-    return chosen_for == 0 || boxes > chosen_for * 2 || boxes * 2 < chosen_for || now - chosen_at > COMMITS;
+    return chosen_for == 0 || boxes > chosen_for * 2 || boxes * 4 < chosen_for;
 }
 
-/* Lays an empty grid out. Returns 0 without memory. */
-int msap_grid_layout(struct grid *g, struct memory *m, const struct box_table *boxes)
+/* Chooses the current layout, which holds no boxes, anew. Returns 0 without memory. */
+int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes)
 {
+    struct layout *l = &g->layout[g->current];
     uint32_t count[3];
-    if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(g, count);
-    else lay_out_for_boxes(g, boxes, count);
-    g->laid_out_for = 0;
-    if (!make_levels(g, m, count)) return 0;
-    g->laid_out_for = boxes->live + 1;
-    g->laid_out_at = g->commit;
+    if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(l, g->config, count);
+    else lay_out_for_boxes(l, g->config, boxes, count);
+    l->chosen_for = l->n_cells = l->boxes = 0;
+    if (!make_levels(l, m, count)) return 0;
+    l->chosen_for = boxes->live + 1;
+    l->chosen_at = g->commit;
     return 1;
+}
+
+/* Takes everything out of its cells. */
+void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m)
+{
+    for (size_t i = 0; i < l->n_cells; i++) msap_cell_drop(&l->cell[i], p, m);
+    for (uint32_t level = 0; level < LEVELS; level++) l->level[level].boxes = 0;
+    l->boxes = 0;
+}
+
+void msap_layout_free(struct layout *l, struct memory *m)
+{
+    msap_memory_free(m, l->cell, l->room_cell, sizeof *l->cell);
+    memset(l, 0, sizeof *l);
+}
+
+/* -------------------------------------------------------------- adapting */
+
+/* Whether the boxes would be laid out otherwise now, by more than chance: cells four
+ * times as wide or as narrow on some axis. */
+static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
+{
+    enum { COMMITS = 256 };
+    struct layout now = g->layout[g->current];
+    const struct layout *then = &g->layout[g->current];
+    uint32_t count[3];
+    if (msap_is_outgrown(then->chosen_for, boxes->live)) return 1;
+    if ((g->commit - then->chosen_at) % COMMITS != COMMITS - 1) return 0;
+    lay_out_for_boxes(&now, g->config, boxes, count);
+    for (int k = 0; k < 3; k++)
+        if (now.scale[k] > 3 * then->scale[k] || then->scale[k] > 3 * now.scale[k]) return 1;
+    return 0;
+}
+
+/* Moves boxes from the other layout to the current one: a few, so that no commit takes
+ * long, and more where there are more, so that it comes to an end. */
+static int move_over(struct grid *g, struct memory *m, const struct box_table *boxes)
+{
+    struct layout *other = &g->layout[1 - g->current];
+    size_t n = 64 + boxes->used / 64;
+    for (; n > 0 && other->boxes > 0; n--, g->next_to_move++) {
+        if (g->next_to_move >= boxes->used) g->next_to_move = 0;
+        uint32_t slot = g->next_to_move;
+        const struct place *p = &g->place[slot];
+        if (p->level == NO_LEVEL || p->layout == g->current) continue;
+        struct bounds same = p->fat;
+        if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, &same)) return 0;
+    }
+    if (other->boxes == 0) msap_layout_free(other, m);
+    return 1;
+}
+
+/* Follows the scene: when the layout does not suit the boxes any more, another one is
+ * chosen and they go over to it little by little. Returns 0 without memory. */
+int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *boxes)
+{
+    struct layout *other = &g->layout[1 - g->current];
+    if (other->boxes > 0) return move_over(g, m, boxes);
+    if (g->config->grid == MSAP_GRID_FIXED || !is_unsuitable(g, boxes)) return 1;
+    g->current = 1 - g->current;
+    return msap_layout_choose(g, m, boxes);
 }

@@ -19,6 +19,7 @@
 
 struct rebuild {
     struct grid *grid;
+    struct layout *layout; /* the current one */
     struct job *job;
     struct range *range; /* [slots] of each live box, on its level */
 };
@@ -46,9 +47,10 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         if (!is_live(r, slot)) continue;
         if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
         else if (!contains(&p->fat, &b->now)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
-        struct range base = msap_grid_range(g, &p->fat);
-        p->level = (uint8_t)msap_grid_level_for(base);
-        r->range[slot] = msap_grid_range_on(g, base, p->level);
+        struct range base = msap_range_of(r->layout, &p->fat);
+        p->layout = (uint8_t)g->current;
+        p->level = (uint8_t)msap_level_for(base);
+        r->range[slot] = msap_range_on(r->layout, base, p->level);
     }
 }
 
@@ -58,9 +60,10 @@ static void count(struct rebuild *r)
     struct grid *g = r->grid;
     for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
         if (!is_live(r, slot)) continue;
-        struct level *l = &g->level[g->place[slot].level];
+        struct level *l = &r->layout->level[g->place[slot].level];
         struct cell_walk w = msap_cell_walk(l, r->range[slot]);
         l->boxes++;
+        r->layout->boxes++;
         for (struct cell *c; (c = cell_next(&w)) != NULL;) {
             c->n++;
             c->n_moving += !is_static(r, slot);
@@ -70,11 +73,11 @@ static void count(struct rebuild *r)
 
 /* Turns the counts into cells with room: n_moving is where the next box that moves
  * is put, n where the next static one. Returns 0 without memory. */
-static int make_cells(struct grid *g, struct memory *m)
+static int make_cells(struct layout *l, struct pool *p, struct memory *m)
 {
-    for (size_t i = 0; i < g->n_cells; i++) {
-        struct cell *c = &g->cell[i];
-        if (c->n > 0 && !msap_cell_make_room(c, &g->pool, m, c->n)) return 0;
+    for (size_t i = 0; i < l->n_cells; i++) {
+        struct cell *c = &l->cell[i];
+        if (c->n > 0 && !msap_cell_make_room(c, p, m, c->n)) return 0;
         c->n = c->n_moving;
         c->n_moving = 0;
     }
@@ -86,7 +89,7 @@ static void fill_cells(struct rebuild *r)
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct place *p = &r->grid->place[slot];
         if (!is_live(r, slot)) continue;
-        struct cell_walk w = msap_cell_walk(&r->grid->level[p->level], r->range[slot]);
+        struct cell_walk w = msap_cell_walk(&r->layout->level[p->level], r->range[slot]);
         for (struct cell *c; (c = cell_next(&w)) != NULL;)
             msap_cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
     }
@@ -120,11 +123,11 @@ static void sweep_cell(const struct rebuild *r, struct worker *w, const struct l
 static void sweep_cells(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct rebuild *r = context;
-    const struct grid *g = r->grid;
+    const struct layout *l = r->layout;
     uint32_t level = 0;
     for (size_t i = first; i < last; i++) {
-        while (level < TOP && &g->cell[i] >= g->level[level + 1].cell) level++;
-        if (g->cell[i].n > 1) sweep_cell(r, w, &g->level[level], &g->cell[i]);
+        while (level < TOP && &l->cell[i] >= l->level[level + 1].cell) level++;
+        if (l->cell[i].n > 1) sweep_cell(r, w, &l->level[level], &l->cell[i]);
     }
 }
 
@@ -139,10 +142,10 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
 }
 
 /* The coarsest level that holds boxes. */
-static uint32_t last_level(const struct grid *g)
+static uint32_t last_level(const struct layout *l)
 {
     uint32_t level = TOP;
-    while (level > 0 && g->level[level].boxes == 0) level--;
+    while (level > 0 && l->level[level].boxes == 0) level--;
     return level;
 }
 
@@ -166,8 +169,8 @@ static int find_pairs(struct rebuild *r)
     struct crew *crew = r->job->crew;
     struct memory *m = r->job->memory;
     crew->worker[0].pairs.n = 0;
-    if (!msap_phase_run(crew, m, sweep_cells, r, g->n_cells)) return 0;
-    if (last_level(g) > 0 && !msap_phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
+    if (!msap_phase_run(crew, m, sweep_cells, r, r->layout->n_cells)) return 0;
+    if (last_level(r->layout) > 0 && !msap_phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
     return make_lists(g, r->job);
 }
 
@@ -180,22 +183,28 @@ static void forget_absent(struct grid *g, size_t slots)
         if (g->place[slot].level == NO_LEVEL) g->place[slot].horizon = NO_HORIZON;
 }
 
+/* Whether the layout should be chosen again, since it costs little now. */
+static int is_stale(const struct layout *l, uint32_t commit, size_t boxes)
+{
+    enum { COMMITS = 64 };
+    return msap_is_outgrown(l->chosen_for, boxes) || commit - l->chosen_at > COMMITS;
+}
+
 /* Returns 0 without memory. */
 int msap_grid_rebuild(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
-    struct rebuild r = {g, job, NULL};
+    struct layout *l = &g->layout[g->current];
+    struct rebuild r = {g, l, job, NULL};
     forget_absent(g, t->used);
     msap_grid_empty(g, job->memory);
-    g->is_tracking = 0;
     g->moves = t->live;
-    if (msap_layout_is_old(g->laid_out_for, g->laid_out_at, g->commit, t->live) &&
-        !msap_grid_layout(g, job->memory, t))
-        return 0;
+    msap_layout_free(&g->layout[1 - g->current], job->memory);
+    if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
     r.range = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
     if (!r.range || !msap_phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
     count(&r);
-    if (!make_cells(g, job->memory)) return 0;
+    if (!make_cells(l, &g->pool, job->memory)) return 0;
     fill_cells(&r);
     g->is_tracking = find_pairs(&r) && msap_touch_known_pairs(job);
     return g->is_tracking;

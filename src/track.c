@@ -54,8 +54,9 @@ static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
     uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
-        struct range base = msap_grid_range(g, &g->place[changed[i]].fat);
-        key[i] = (uint64_t)(msap_cell_at(&g->level[0], base.low) - g->cell) << 32 | changed[i];
+        const struct layout *l = &g->layout[g->current];
+        struct range base = msap_range_of(l, &g->place[changed[i]].fat);
+        key[i] = (uint64_t)(msap_cell_at(&l->level[0], base.low) - l->cell) << 32 | changed[i];
     }
     msap_sort_keys(key, n, key + n);
     for (size_t i = 0; i < n; i++) changed[i] = (uint32_t)key[i];
@@ -65,8 +66,9 @@ static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 static void leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
+    const struct place *p = &g->place[slot];
     msap_grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]),
-                   msap_grid_range(g, &g->place[slot].fat));
+                   msap_range_of(&g->layout[p->layout], &p->fat));
     for (uint32_t i = 0; i < l->n; i++) {
         settle(job->settler, slot, l->at[i]);
         msap_near_remove(&g->near, l->at[i], slot);
@@ -87,15 +89,16 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
-    if (p->level == NO_LEVEL) {
-        msap_skin_first(p, b, g, slot);
-        struct range base = msap_grid_range(g, &p->fat);
-        p->level = (uint8_t)msap_grid_level_for(base);
-        return msap_grid_put(g, job->memory, slot, is_static(b), base);
+    if (p->level != NO_LEVEL) {
+        struct bounds old = p->fat;
+        msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
+        return msap_grid_move(g, job->memory, slot, is_static(b), &old);
     }
-    struct range old = msap_grid_range(g, &p->fat);
-    msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
-    return msap_grid_move(g, job->memory, slot, is_static(b), old, msap_grid_range(g, &p->fat));
+    msap_skin_first(p, b, g, slot);
+    struct range base = msap_range_of(&g->layout[g->current], &p->fat);
+    p->layout = (uint8_t)g->current;
+    p->level = (uint8_t)msap_level_for(base);
+    return msap_grid_put(g, job->memory, slot, is_static(b), base);
 }
 
 /* For the first n changed boxes; *gone of them, which are put first, have left. */
@@ -256,6 +259,7 @@ static int is_jumpy(const struct box_table *t)
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     size_t gone;
+    if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     if (by_cell) order_by_cell(g, job, misplaced);
     if (!place_misplaced(g, job, misplaced, &gone)) return 0;
     g->moves = misplaced;
