@@ -35,7 +35,7 @@ static uint32_t update(msap_world *w, struct job *job)
 static void forget_events(struct settler *s)
 {
     s->fresh.n = s->doomed.n = 0;
-    s->lost = 0;
+    s->lost = s->has_all_doomed = 0;
     s->touched = s->crossings = 0;
 }
 
@@ -72,6 +72,7 @@ static msap_status reserve_events(msap_world *w)
         !msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) ||
         !msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active))
         return MSAP_ERROR_MEMORY;
+    msap_scratch_get(&w->scratch, &w->memory, s->fresh.room > s->doomed.room ? s->fresh.room : s->doomed.room);
     return MSAP_OK;
 }
 

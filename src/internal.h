@@ -198,6 +198,7 @@ struct settler {
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
     int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
+    int has_all_doomed;    /* 1: the doomed list holds every known pair */
     uint64_t touched, crossings;
 };
 

@@ -80,7 +80,7 @@ static void forget(struct worker *w)
 {
     w->settler.fresh.n = w->settler.doomed.n = w->pairs.n = 0;
     w->settler.touched = 0;
-    w->settler.lost = 0;
+    w->settler.lost = w->settler.has_all_doomed = 0;
 }
 
 /* Enlarges the buffers of a worker that overflowed. Returns 0 without memory. */

@@ -13,30 +13,43 @@
  * look like removals it lets only the real ones through. */
 #include "internal.h"
 
-/* Returns whether there is room then. */
-static int drop_repeats(struct keys *list)
+static void drop_repeats(struct keys *list)
 {
     msap_sort_keys(list->at, list->n, NULL);
     list->n = msap_unique_keys(list->at, list->n);
+}
+
+/* Makes room in a full list of the calling thread. Where one pair may be touched often,
+ * the list first drops repeats, and grows unless they were half of it or more: so it
+ * grows only if more pairs changed than ever before, however often they were touched.
+ * Without memory it can still drop repeats. */
+static int make_room(struct settler *s, struct keys *list)
+{
+    if (s->has_repeats) drop_repeats(list);
+    if (list->n > list->room / 2 || list->room == 0) {
+        if (msap_keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
+        if (!s->has_repeats) drop_repeats(list);
+    }
     return list->n < list->room;
 }
 
-/* Makes room for one more key in a list that is full. Where one pair may be touched
- * often, the list first drops repeats, and grows unless they were half of it or more:
- * so it grows only if more pairs changed than ever before, however often they were
- * touched. */
-static int make_room(struct settler *s, struct keys *list)
+/* The list is full. A worker leaves it at that (phase.c). On the calling thread the list
+ * of fresh pairs may lack memory, and then this commit fails; that of the doomed holds
+ * all known pairs when it has no room left, this one among them. */
+static void put_into_full(struct settler *s, struct keys *list, uint64_t key, int is)
 {
-    if (s->has_repeats && drop_repeats(list) && list->n <= list->room / 2) return 1;
-    return s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64);
+    if (s->lost || (!is && s->has_all_doomed)) return;
+    if (s->memory && make_room(s, list)) list->at[list->n++] = key;
+    else if (is || !s->memory) s->lost = 1;
+    else s->has_all_doomed = 1;
 }
 
 /* A pair that overlaps now and did not before, or the other way round. */
 void msap_settle_change(struct settler *s, uint64_t key, int is)
 {
     struct keys *list = is ? &s->fresh : &s->doomed;
-    if (list->n < list->room || make_room(s, list) || drop_repeats(list)) list->at[list->n++] = key;
-    else s->lost |= is || !s->memory; /* the doomed list of the calling thread holds all known pairs */
+    if (list->n < list->room) list->at[list->n++] = key;
+    else put_into_full(s, list, key, is);
 }
 
 static void touch_known(void *context, struct worker *w, size_t first, size_t last)
