@@ -67,9 +67,9 @@ static msap_status reserve_events(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     size_t active = w->pairs.active - s->doomed.n + s->fresh.n, times = s->has_repeats ? 2 : 1;
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
-    if (s->fresh.n == 0) return MSAP_OK;
-    if (!msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) ||
-        !msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) ||
+    int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n);
+    if (s->fresh.n == 0) return MSAP_OK; /* the lost pairs have room where they were */
+    if (!has_room || !msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) ||
         !msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active))
         return MSAP_ERROR_MEMORY;
     msap_scratch_get(&w->scratch, &w->memory, s->fresh.room > s->doomed.room ? s->fresh.room : s->doomed.room);
@@ -81,6 +81,7 @@ static msap_status apply_changes(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
+    w->grid.moves = 0;
     if (w->boxes.n_changed > 0) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);
@@ -99,7 +100,7 @@ static msap_status apply_changes(msap_world *w)
 static void trim_if_idle(msap_world *w)
 {
     enum { LONG = 256, FAR_LESS = 8, LITTLE = 1024 };
-    int is_idle = w->boxes.room > LITTLE && w->boxes.live < w->boxes.room / FAR_LESS;
+    int is_idle = w->boxes.used > LITTLE && w->boxes.live < w->boxes.used / FAR_LESS;
     w->idle_commits = is_idle ? w->idle_commits + 1 : 0;
     if (w->idle_commits < LONG || w->pairs.created + w->pairs.deleted > 0) return;
     msap_world_trim(w);

@@ -211,7 +211,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     enum { COMMITS = 64 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
-    g->is_tracking = 0;
+    if (g->is_tracking) msap_grid_empty(g, job->memory);
     g->moves = job->boxes->live;
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);

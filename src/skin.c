@@ -129,9 +129,9 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
     p->horizon = HORIZON_FIRST;
     p->wobble = 1;
     p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
-    if (margin == MSAP_MARGIN_AUTO && !(b->flags & BOX_STATIC)) {
-        margin = motion_of(b).size * (spread(slot, g->commit) - 0.5f) / 4;
+    if (margin < 0) {
+        margin = b->flags & BOX_STATIC ? 0 : motion_of(b).size * (spread(slot, g->commit) - 0.5f) / 4;
         if (!(margin < FAR)) margin = 0;
     }
-    p->fat = margin > 0 ? msap_bounds_widened(&b->now, margin) : b->now;
+    p->fat = msap_bounds_widened(&b->now, margin);
 }
