@@ -44,6 +44,7 @@ static msap_status reserve(msap_world *w, size_t k)
     int done = is_grid(&w->config) ? msap_grid_reserve(&w->grid, &w->memory, slots) &&
                                          msap_crew_reserve(&w->crew, &w->memory, slots)
                                    : msap_sap_reserve(&w->sap, &w->memory, slots);
+    msap_scratch_get(&w->scratch, &w->memory, SCRATCH_WORDS(slots)); /* if there is none now, commits do without */
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 

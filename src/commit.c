@@ -67,13 +67,11 @@ static msap_status reserve_events(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     size_t active = w->pairs.active - s->doomed.n + s->fresh.n, times = s->has_repeats ? 2 : 1;
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
-    int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n);
-    if (s->fresh.n == 0) return MSAP_OK; /* the lost pairs have room where they were */
-    if (!has_room || !msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) ||
-        !msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active))
-        return MSAP_ERROR_MEMORY;
+    int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) &&
+                   msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) &&
+                   msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active);
     msap_scratch_get(&w->scratch, &w->memory, s->fresh.room > s->doomed.room ? s->fresh.room : s->doomed.room);
-    return MSAP_OK;
+    return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
 
 /* Steps 1 to 4. */
