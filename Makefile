@@ -25,7 +25,7 @@ LCM_BINDING = bindings/lcm/multisap_lcm.c
 LCM_TYPES = bindings/lcm/pair_events_t.lcm
 
 UNIT = $(wildcard tests/unit/test_*.c)
-UNIT_COMMON = tests/unit/common.c
+UNIT_COMMON = tests/unit/common.c tests/unit/setups.c examples/thread_pool.c
 DIFFERENTIAL = tests/differential/differential.c
 LCM_TEST = tests/command/test_lcm.c
 EXAMPLES = examples/game_loop.c
@@ -94,7 +94,7 @@ check: ## install what is missing, build, run all tests
 	@.ci/setup check
 	@$(MAKE) --no-print-directory test
 
-SUITES = unit differential command examples build asan
+SUITES = unit differential command examples build python asan
 
 test: ## run all tests, set nothing up
 	@passed=0; failed=0; lines=; \
@@ -118,6 +118,21 @@ test-command: $(COMMAND) $(LCM_PROGRAM) ## run the tests of the command and of t
 
 test-examples: $(call programs,$(EXAMPLES)) ## run the examples
 	$(run_each)
+
+# The package as a user installs it, in an environment of its own, with what its tests need.
+PYTHON ?= python3
+PYTHON_ENV = $(BUILD)/python
+PYTHON_FILES = pyproject.toml meson.build meson_options.txt include/multisap.h docs/python.md $(CORE) \
+    bindings/python/meson.build $(wildcard bindings/python/multisap/*.py)
+
+$(PYTHON_ENV)/installed: $(PYTHON_FILES)
+	$(call say,pip install .)
+	$(Q)$(PYTHON) -m venv $(PYTHON_ENV) && $(PYTHON_ENV)/bin/pip -q --disable-pip-version-check install '.[test]'
+	@touch $@
+
+test-python: $(COMMAND) $(PYTHON_ENV)/installed ## test the Python package, installed as a user installs it
+	@MULTISAP=$(abspath $(COMMAND)) PYTHONDONTWRITEBYTECODE=1 $(PYTHON_ENV)/bin/python -m pytest -q \
+	    -p no:cacheprovider bindings/python/tests
 
 test-build: ## test the build itself: lists, symbols, headers, installation
 	@$(PYTEST) tests/build
@@ -210,6 +225,7 @@ $(COMMAND): LINK_WITH = $(LCM_LINK) -lm -pthread
 $(TEST_PROGRAMS): %: %.o
 $(call programs,$(UNIT) $(DIFFERENTIAL)): $(call objects,$(UNIT_COMMON))
 $(call programs,$(UNIT)): LINK_WITH = $(CHECK_LINK)
+$(call programs,$(DIFFERENTIAL)): LINK_WITH = -lm -pthread
 $(LCM_PROGRAM): LINK_WITH = $(LCM_LINK) $(CHECK_LINK)
 $(COMMAND) $(TEST_PROGRAMS): $(LCM_STATIC) $(STATIC)
 	$(call say,ld $@)

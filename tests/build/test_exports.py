@@ -47,3 +47,9 @@ def test_the_core_has_no_global_that_can_be_written(tmp_path):
     run("gcc", "-std=c99", "-O2", "-fno-pic", f"-I{ROOT / 'include'}", "-c", *sources, cwd=tmp_path)
     symbols = run("nm", "--defined-only", "--no-sort", *tmp_path.glob("*.o"))
     assert re.findall(r"^\w+ [BbCcDdGgSs] (\w+)", symbols, re.MULTILINE) == []
+
+
+def test_what_the_static_library_adds_to_a_program_begins_with_msap(made):
+    lines = run("nm", "-g", "--defined-only", made / "libmultisap.a").splitlines()
+    names = [line.split()[2] for line in lines if len(line.split()) == 3]
+    assert names and all(name.startswith("msap_") for name in names)

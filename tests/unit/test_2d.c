@@ -75,7 +75,7 @@ END_TEST
 
 static uint64_t peak_of_world(uint32_t dims)
 {
-    msap_world *world = new_world(dims, DEFAULT);
+    msap_world *world = new_world(dims, SINGLE_SAP);
     uint64_t peak;
     int i;
     for (i = 0; i < 5000; i++)

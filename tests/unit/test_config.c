@@ -4,6 +4,7 @@
  * Guards: every struct tells its size, and a size or a value that this library does
  * not know is refused, never guessed at; the defaults are those of the header.
  */
+#include <math.h>
 #include <string.h>
 
 #include "checks.h"
@@ -32,11 +33,16 @@ START_TEST(defaults)
     ok(msap_config_init(&config, sizeof config));
     ck_assert_uint_eq(config.struct_size, sizeof config);
     ck_assert_uint_eq(config.dims, 3);
+    ck_assert_uint_eq(config.grid, MSAP_GRID_AUTO);
     ck_assert_uint_eq(config.strategy, MSAP_STRATEGY_AUTO);
     ck_assert_uint_eq(config.filters, 1);
+    ck_assert_uint_eq(config.simd, MSAP_SIMD_AUTO);
     ck_assert_uint_eq(config.max_boxes, MSAP_MAX_BOXES);
-    ck_assert_uint_eq(config.reserved, 0);
+    ck_assert_uint_eq(config.workers, 1);
+    ck_assert(config.margin == MSAP_MARGIN_AUTO && config.cell_size == 0);
+    ck_assert(config.grid_cells[0] == 1 && config.grid_cells[1] == 1 && config.grid_cells[2] == 1);
     ck_assert(!config.alloc && !config.free && !config.allocator_user);
+    ck_assert(!config.enqueue && !config.finish && !config.jobs_user);
 }
 END_TEST
 
@@ -99,49 +105,165 @@ START_TEST(create_refuses_sizes)
 }
 END_TEST
 
+/* A number in a config. */
+static uint32_t *number_at(msap_config *config, size_t offset)
+{
+    return (uint32_t *)(void *)((char *)config + offset);
+}
+
 START_TEST(create_refuses_values)
 {
-    static const uint32_t dims[] = {0, 1, 4, UINT32_MAX}, strategies[] = {4, 5, UINT32_MAX};
-    static const uint32_t filters[] = {2, UINT32_MAX};
-    const msap_config good = config_of(3, DEFAULT);
-    msap_config config;
+    static const struct {
+        size_t offset;
+        uint32_t first_wrong;
+    } numbers[] = {
+        {offsetof(msap_config, dims), 4},     {offsetof(msap_config, grid), 3},
+        {offsetof(msap_config, strategy), 4}, {offsetof(msap_config, filters), 2},
+        {offsetof(msap_config, simd), 4},     {offsetof(msap_config, max_boxes), MSAP_MAX_BOXES + 1},
+        {offsetof(msap_config, workers), 65},
+    };
+    msap_config good = config_of(3, DEFAULT), config;
     size_t i;
-    for (i = 0; i < COUNT(dims); i++) {
+    use_jobs(&good, 2, JOBS_AT_ONCE);
+    for (i = 0; i < COUNT(numbers); i++) {
         config = good;
-        config.dims = dims[i];
+        *number_at(&config, numbers[i].offset) = numbers[i].first_wrong;
         create_refuses(&config, MSAP_ERROR_CONFIG);
-    }
-    for (i = 0; i < COUNT(strategies); i++) {
-        config = good;
-        config.strategy = strategies[i];
-        create_refuses(&config, MSAP_ERROR_CONFIG);
-    }
-    for (i = 0; i < COUNT(filters); i++) {
-        config = good;
-        config.filters = filters[i];
+        *number_at(&config, numbers[i].offset) = UINT32_MAX;
         create_refuses(&config, MSAP_ERROR_CONFIG);
     }
     config = good;
-    config.reserved = 1;
+    config.dims = 1;
     create_refuses(&config, MSAP_ERROR_CONFIG);
-    config = good;
-    config.max_boxes = MSAP_MAX_BOXES + 1;
-    create_refuses(&config, MSAP_ERROR_CONFIG);
-    config = good;
-    config.alloc = some_alloc;
-    create_refuses(&config, MSAP_ERROR_CONFIG);
-    config.alloc = NULL;
-    config.free = some_free;
+    config.dims = 0;
     create_refuses(&config, MSAP_ERROR_CONFIG);
     refused(msap_create(&good, NULL), MSAP_ERROR_NULL);
     refused(msap_create(NULL, NULL), MSAP_ERROR_NULL);
 }
 END_TEST
 
+START_TEST(create_refuses_half_an_allocator)
+{
+    msap_config config = config_of(3, DEFAULT);
+    config.alloc = some_alloc;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config.alloc = NULL;
+    config.free = some_free;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+}
+END_TEST
+
+START_TEST(create_refuses_workers_without_jobs)
+{
+    msap_config config = config_of(3, DEFAULT), jobs = config;
+    use_jobs(&jobs, 2, JOBS_AT_ONCE);
+    config.workers = 2;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config.enqueue = jobs.enqueue;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config.workers = 1; /* half a job system is refused, needed or not */
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config.enqueue = NULL;
+    config.finish = jobs.finish;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    jobs.workers = 0;
+    create_refuses(&jobs, MSAP_ERROR_CONFIG);
+}
+END_TEST
+
+/* Infinities, NaNs and what is below 0, but for MSAP_MARGIN_AUTO. */
+START_TEST(create_refuses_margins_and_cell_sizes)
+{
+    static const uint32_t wrong[] = {0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00001, 0x80000001, 0xBF800001, 0xC0000000};
+    msap_config config;
+    size_t i;
+    for (i = 0; i < COUNT(wrong); i++) {
+        config = config_of(3, DEFAULT);
+        config.margin = float_of(wrong[i]);
+        create_refuses(&config, MSAP_ERROR_CONFIG);
+        config = config_of(3, DEFAULT);
+        config.cell_size = float_of(wrong[i]);
+        create_refuses(&config, MSAP_ERROR_CONFIG);
+    }
+    config = config_of(3, DEFAULT);
+    config.cell_size = -1;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+}
+END_TEST
+
+static msap_config fixed(uint32_t dims, uint32_t cells, float min, float max)
+{
+    msap_config config = config_of(dims, DEFAULT);
+    config.grid = MSAP_GRID_FIXED;
+    config.grid_cells[1] = cells;
+    config.grid_min[1] = min;
+    config.grid_max[1] = max;
+    return config;
+}
+
+START_TEST(create_refuses_fixed_grids)
+{
+    static const float bounds[][2] = {{1, 1}, {2, 1}, {0, -0.0f}, {0, INFINITY}, {-INFINITY, 0}, {NAN, 1}, {0, NAN}};
+    msap_config config;
+    size_t i;
+    for (i = 0; i < COUNT(bounds); i++) {
+        config = fixed(3, 2, bounds[i][0], bounds[i][1]);
+        create_refuses(&config, MSAP_ERROR_CONFIG);
+    }
+    config = fixed(3, 0, 0, 1);
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config = fixed(3, 4097, 0, 1);
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+    config = fixed(2, 2, 0, 1);
+    config.grid_cells[2] = 2; /* there is no third axis */
+    config.grid_max[2] = 1;
+    create_refuses(&config, MSAP_ERROR_CONFIG);
+}
+END_TEST
+
+static void create_accepts(const msap_config *config)
+{
+    msap_world *world = NULL;
+    ok(msap_create(config, &world));
+    add(world, cube(0, 1));
+    add(world, cube(1, 2));
+    commit(world, 0, 1, 1);
+    ok(msap_destroy(world));
+}
+
+/* What is at the edge of the legal. */
+START_TEST(create_accepts_edges)
+{
+    msap_config config = config_of(3, DEFAULT);
+    config.margin = float_of(0x7F7FFFFF); /* FLT_MAX */
+    config.cell_size = float_of(0x7F7FFFFF);
+    create_accepts(&config);
+    config.margin = -0.0f;
+    config.cell_size = float_of(0x00000001);
+    create_accepts(&config);
+    config.margin = float_of(0x00000001);
+    config.cell_size = -0.0f;
+    create_accepts(&config);
+    config = fixed(3, 1, 7, 7); /* an axis with one cell needs no bounds */
+    create_accepts(&config);
+    config = fixed(3, 4096, float_of(0xFF7FFFFF), float_of(0x7F7FFFFF));
+    create_accepts(&config);
+    config = fixed(2, 3, 0, float_of(0x00000001));
+    create_accepts(&config);
+    config = fixed(2, 3, float_of(0x7F7FFFFE), float_of(0x7F7FFFFF));
+    create_accepts(&config);
+    config = config_of(2, DEFAULT);
+    use_jobs(&config, 64, JOBS_AT_ONCE);
+    create_accepts(&config);
+    config.workers = 1; /* with job hooks that are not used */
+    create_accepts(&config);
+}
+END_TEST
+
 /* The config is copied; without one the defaults hold. */
 START_TEST(create_copies_the_config)
 {
-    msap_config config = config_of(2, MSAP_STRATEGY_SWEEP);
+    msap_config config = config_of(2, DEFAULT);
     msap_world *world = NULL;
     float bound[2] = {0, 0};
     msap_handle handle;
@@ -243,6 +365,11 @@ int main(void)
     tcase_add_test(tests, prune_init_refuses_sizes);
     tcase_add_test(tests, create_refuses_sizes);
     tcase_add_test(tests, create_refuses_values);
+    tcase_add_test(tests, create_refuses_half_an_allocator);
+    tcase_add_test(tests, create_refuses_workers_without_jobs);
+    tcase_add_test(tests, create_refuses_margins_and_cell_sizes);
+    tcase_add_test(tests, create_refuses_fixed_grids);
+    tcase_add_test(tests, create_accepts_edges);
     tcase_add_test(tests, create_copies_the_config);
     tcase_add_test(tests, calls_refuse_sizes);
     tcase_add_test(tests, batches_refuse_scalars);

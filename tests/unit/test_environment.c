@@ -135,9 +135,9 @@ static void play_doubles(record *log, const script *s)
     ok(msap_destroy(world));
 }
 
-static void play(record *log, const script *s, int strategy)
+static void play(record *log, const script *s, int row)
 {
-    msap_world *world = new_world(3, strategy);
+    msap_world *world = new_world(3, row);
     msap_handle handles[BOXES] = {0};
     int frame;
     log->count = 0;
@@ -156,10 +156,10 @@ static void logs_are_the_same(void)
     ck_assert_int_eq(memcmp(by_mode.at, by_default.at, by_mode.count * sizeof *by_mode.at), 0);
 }
 
-static void start(int strategy)
+static void start(int row)
 {
     write_script(&the_script);
-    play(&by_default, &the_script, strategy);
+    play(&by_default, &the_script, row);
     ck_assert_uint_gt(by_default.count, 10000);
 }
 

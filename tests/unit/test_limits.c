@@ -6,16 +6,16 @@
  */
 #include "checks.h"
 
-static msap_config limited(uint32_t max_boxes)
+static msap_config limited(int row, uint32_t max_boxes)
 {
-    msap_config config = config_of(3, DEFAULT);
+    msap_config config = config_of(3, row);
     config.max_boxes = max_boxes;
     return config;
 }
 
 START_TEST(a_full_world_refuses_boxes)
 {
-    msap_config config = limited(4);
+    msap_config config = limited(_i, 4);
     box bounds[5] = {{{0, 0, 0}, {1, 1, 1}}};
     msap_handle handle, handles[5] = {1, 2, 3, 4, 5};
     msap_boxes boxes = boxes_in_row(bounds);
@@ -44,7 +44,7 @@ END_TEST
 /* After the commit that reports a removal there is room again, any number of times. */
 START_TEST(removal_makes_room)
 {
-    msap_config config = limited(2);
+    msap_config config = limited(_i, 2);
     box unit = cube(0, 1);
     msap_handle a, b;
     session s;
@@ -65,6 +65,7 @@ END_TEST
 /* More boxes than there can be, given by zero strides: refused before they are read. */
 START_TEST(absurd_sizes)
 {
+    msap_config config = config_of(3, _i);
     box unit = cube(0, 1);
     msap_boxes boxes = boxes_in_row(&unit);
     msap_index_pair *pairs = NULL;
@@ -72,7 +73,7 @@ START_TEST(absurd_sizes)
     msap_handle handle = 77;
     session s;
     boxes.min_row = boxes.max_row = 0;
-    right(session_open(&s, NULL, 1, SCENE_GRID));
+    right(session_open(&s, &config, 1, SCENE_GRID));
     refused(msap_add_many(s.world, SIZE_MAX, &boxes, NULL, NULL, &handle), MSAP_ERROR_FULL);
     refused(msap_prune(NULL, SIZE_MAX, &boxes, &pairs, &count, NULL), MSAP_ERROR_FULL);
     refused(msap_prune_bipartite(NULL, SIZE_MAX, &boxes, SIZE_MAX, &boxes, &pairs, &count, NULL), MSAP_ERROR_FULL);
@@ -85,8 +86,8 @@ END_TEST
 int main(void)
 {
     TCase *tests = tcase_create("limits");
-    tcase_add_test(tests, a_full_world_refuses_boxes);
-    tcase_add_test(tests, removal_makes_room);
-    tcase_add_test(tests, absurd_sizes);
+    tcase_add_loop_test(tests, a_full_world_refuses_boxes, 0, SETUPS);
+    tcase_add_loop_test(tests, removal_makes_room, 0, SETUPS);
+    tcase_add_loop_test(tests, absurd_sizes, 0, SETUPS);
     return run_case(tests, "limits");
 }

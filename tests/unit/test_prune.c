@@ -57,7 +57,7 @@ static void prune_and_compare(uint64_t *random, scene_kind scene, uint32_t dims,
     if (k_b >= 0)
         random_boxes(random, scene, b, (size_t)k_b);
     for (axis = MSAP_AXIS_AUTO; axis < (int32_t)dims; axis++) {
-        tracker m = {0, 0, 0, 0, 0, 0, 0, 0};
+        tracker m = {0};
         msap_prune_config config = prune_config(dims, axis, &m);
         msap_index_pair *pairs = NULL;
         size_t count = 77;
@@ -163,7 +163,7 @@ static void both_refuse(const msap_prune_config *config, const box *boxes, size_
 START_TEST(bad_boxes_are_named)
 {
     box boxes[7] = {{{0, 0, 0}, {1, 1, 1}}};
-    tracker m = {0, 0, 0, 0, 0, 0, 0, 0};
+    tracker m = {0};
     msap_prune_config config = prune_config(3, MSAP_AXIS_AUTO, &m);
     int i, axis;
     for (i = 0; i < 7; i++)
@@ -190,7 +190,7 @@ START_TEST(bad_config)
         uint32_t dims;
         int32_t axis;
     } wrong[] = {{0, -1}, {1, -1}, {4, -1}, {3, -2}, {3, 3}, {2, 2}, {3, INT32_MAX}, {3, INT32_MIN}};
-    tracker m = {0, 0, 0, 0, 0, 0, 0, 0};
+    tracker m = {0};
     box boxes[1] = {{{0, 0, 0}, {1, 1, 1}}};
     msap_prune_config config;
     size_t i;
@@ -276,7 +276,7 @@ START_TEST(any_allocation_may_fail)
     size_t n = 0;
     random_boxes(&random, SCENE_GRID, boxes, MOST);
     do {
-        tracker m = {0, 0, 0, 0, 0, 0, 0, 0};
+        tracker m = {0};
         msap_prune_config config = prune_config(3, MSAP_AXIS_AUTO, &m);
         msap_error error = {sizeof error, 0, 0, 0, 0};
         msap_index_pair *pairs = NULL;

@@ -41,11 +41,11 @@ static void on_delete(void *context, msap_handle a, msap_handle b, void *data_a,
 }
 
 /* Two boxes that overlap, with marks 0 and 1. */
-static calls two_boxes(msap_handle *a, msap_handle *b)
+static calls two_boxes(int row, msap_handle *a, msap_handle *b)
 {
     calls c = {NULL, 0, 0, NULL, NULL, NULL};
     box unit = cube(0, 1);
-    c.world = new_world(3, DEFAULT);
+    c.world = new_world(3, row);
     ok(msap_add(c.world, unit.min, unit.max, 0, &marks[0], a));
     ok(msap_add(c.world, unit.min, unit.max, 0, &marks[1], b));
     return c;
@@ -61,7 +61,7 @@ static void call_commit(calls *c)
 START_TEST(callbacks_get_what_was_given)
 {
     msap_handle a, b;
-    calls c = two_boxes(&a, &b);
+    calls c = two_boxes(_i, &a, &b);
     call_commit(&c);
     ck_assert_int_eq(c.created, 1);
     ck_assert(c.data_a == &marks[0] && c.data_b == &marks[1]);
@@ -79,7 +79,7 @@ START_TEST(set_before_the_commit)
 {
     msap_handle handles[2];
     void *in[2] = {&marks[2], NULL}, *out[2];
-    calls c = two_boxes(&handles[0], &handles[1]);
+    calls c = two_boxes(_i, &handles[0], &handles[1]);
     ok(msap_set_user_data(c.world, 2, handles, in));
     ok(msap_get_user_data(c.world, 2, handles, out));
     ck_assert(out[0] == &marks[2] && out[1] == NULL);
@@ -101,7 +101,7 @@ START_TEST(pair_data_in_any_order)
     void *in[2] = {&marks[4], &marks[5]}, *out[2] = {NULL, NULL};
     const msap_pair *pairs;
     size_t count;
-    calls c = two_boxes(&a, &b);
+    calls c = two_boxes(_i, &a, &b);
     call_commit(&c);
     first[0] = second[1] = a;
     first[1] = second[0] = b;
@@ -126,7 +126,7 @@ START_TEST(pair_data_outlives_motion)
 {
     msap_handle a, b;
     void *out = NULL;
-    calls c = two_boxes(&a, &b);
+    calls c = two_boxes(_i, &a, &b);
     call_commit(&c);
     update(c.world, a, cube(8, 9));
     update(c.world, a, cube(1, 2));
@@ -147,7 +147,7 @@ START_TEST(not_a_pair)
 {
     msap_handle a, b, far, first[3], second[3];
     void *in[3] = {&marks[4], &marks[4], &marks[4]}, *out[3] = {NULL, NULL, NULL};
-    calls c = two_boxes(&a, &b);
+    calls c = two_boxes(_i, &a, &b);
     far = add(c.world, cube(5, 6));
     refused(msap_get_pair_data(c.world, 1, &a, &b, out), MSAP_ERROR_NOT_A_PAIR); /* not before the commit */
     call_commit(&c);
@@ -172,7 +172,7 @@ START_TEST(a_handle_twice)
 {
     msap_handle a, b, twice[2];
     void *in[2] = {&marks[5], &marks[6]}, *out[2];
-    calls c = two_boxes(&a, &b);
+    calls c = two_boxes(_i, &a, &b);
     twice[0] = twice[1] = a;
     ok(msap_set_user_data(c.world, 2, twice, in));
     ok(msap_get_user_data(c.world, 2, twice, out));
@@ -184,11 +184,11 @@ END_TEST
 int main(void)
 {
     TCase *tests = tcase_create("user data");
-    tcase_add_test(tests, callbacks_get_what_was_given);
-    tcase_add_test(tests, set_before_the_commit);
-    tcase_add_test(tests, pair_data_in_any_order);
-    tcase_add_test(tests, pair_data_outlives_motion);
-    tcase_add_test(tests, not_a_pair);
-    tcase_add_test(tests, a_handle_twice);
+    tcase_add_loop_test(tests, callbacks_get_what_was_given, 0, SETUPS);
+    tcase_add_loop_test(tests, set_before_the_commit, 0, SETUPS);
+    tcase_add_loop_test(tests, pair_data_in_any_order, 0, SETUPS);
+    tcase_add_loop_test(tests, pair_data_outlives_motion, 0, SETUPS);
+    tcase_add_loop_test(tests, not_a_pair, 0, SETUPS);
+    tcase_add_loop_test(tests, a_handle_twice, 0, SETUPS);
     return run_case(tests, "user data");
 }

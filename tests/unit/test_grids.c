@@ -1,0 +1,433 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: a grid is a matter of speed alone. A pair that is seen in many cells is one
+ * pair and one event; boxes that share a cell's memory but not its place are none; no
+ * border between cells is seen in the events. And it is a matter of speed: the cells
+ * are as large as was asked, or fit the boxes, and go on fitting them when the scene
+ * grows, moves or changes its density.
+ */
+#include <math.h>
+
+#include "checks.h"
+
+/* ---------------------------------------------------------------- what is seen */
+
+/* Two boxes over all cells of a row, or of the whole grid. */
+START_TEST(a_pair_in_many_cells_is_one_event)
+{
+    msap_world *world = new_world(3, _i);
+    msap_handle a, b;
+    int i;
+    for (i = 0; i < 400; i++)
+        add_flagged(world, box_of((float)(i % 20), (float)(i / 20), 5, (float)(i % 20) + 0.5f, (float)(i / 20) + 0.5f, 6),
+                    MSAP_STATIC); /* so that there are cells */
+    commit(world, 0, 0, 0);
+    a = add(world, box_of(0, 0, 0, 20, 20, 1));
+    b = add(world, box_of(-5, -5, 0, 25, 25, 1));
+    commit(world, 0, 1, 1);
+    update(world, a, box_of(0, 0, 0.5f, 20, 20, 1.5f));
+    commit(world, 0, 0, 1);
+    update(world, b, box_of(19, -5, 0, 19, 25, 1)); /* still one column of cells in common */
+    commit(world, 0, 0, 1);
+    update(world, b, box_of(20.25f, -5, 0, 25, 25, 1));
+    commit(world, 1, 0, 0);
+    update(world, b, box_of(20, 20, 0, 25, 25, 1)); /* a corner */
+    commit(world, 0, 1, 1);
+    ok(msap_remove(world, a));
+    ok(msap_remove(world, b));
+    commit(world, 1, 0, 0);
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Two boxes travel side by side through the cells of a field, in small steps and in
+ * jumps: they part nowhere. */
+START_TEST(borders_between_cells_are_not_seen)
+{
+    static const float steps[] = {0.125f, 0.625f, 5, 40, -0.125f, -7};
+    msap_world *world = new_world(3, _i);
+    msap_handle a, b;
+    float at = 0.25f;
+    size_t s;
+    int i;
+    for (i = 0; i < 400; i++)
+        add_flagged(world, box_of((float)(i % 20), (float)(i / 20), 5, (float)(i % 20) + 0.5f, (float)(i / 20) + 0.5f, 6),
+                    MSAP_STATIC);
+    a = add(world, cube(at, at + 1));
+    b = add(world, box_of(at + 1, at, at, at + 1.5f, at + 1, at + 1));
+    update(world, a, box_of(at, at, 0, at + 1, at + 1, 1));
+    update(world, b, box_of(at + 1, at, 0, at + 1.5f, at + 1, 1));
+    commit(world, 0, 1, 1);
+    for (s = 0; s < COUNT(steps); s++)
+        for (i = 0; i < 60; i++) {
+            at += steps[s];
+            update(world, a, box_of(at, at / 2, 0, at + 1, at / 2 + 1, 1));
+            update(world, b, box_of(at + 1, at / 2, 0, at + 1.5f, at / 2 + 1, 1));
+            commit(world, 0, 0, 1);
+        }
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Boxes that are a number of cells apart, for any number up to the size of the grid and
+ * beyond, share memory sooner or later, and are no pairs. */
+START_TEST(wrapped_cells_are_not_one_place)
+{
+    msap_world *world = new_world(3, _i);
+    int i;
+    for (i = 0; i < 600; i++) {
+        float x = (float)(i % 30) * 40, y = (float)(i / 30) * 40;
+        add(world, box_of(x, y, 0, x + 1, y + 1, 1));
+    }
+    commit(world, 0, 0, 0);
+    for (i = 0; i < 600; i++) {
+        float far = (float)(1 << i % 24) * 40, x = (float)(i % 30) * 40, y = (float)(i / 30) * 40;
+        add(world, box_of(x + far * (float)(i % 7 + 30), y, 0, x + far * (float)(i % 7 + 30) + 1, y + 1, 1));
+    }
+    ok(msap_commit(world, NULL, NULL));
+    {
+        const msap_pair *pairs;
+        size_t count;
+        ok(msap_pairs(world, &pairs, &count));
+        while (count--)
+            ck_assert_uint_ge(pairs[count].a >> 32, 600); /* the second ones may meet, out there */
+    }
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* ------------------------------------------------------------- cells as asked */
+
+/* A row of 1000 boxes of size 1 from 0 to 10000. */
+static uint64_t cells_of_a_row(float cell_size)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_world_stats stats;
+    msap_world *world;
+    int i;
+    config.cell_size = cell_size;
+    config.margin = 0;
+    ok(msap_create(&config, &world));
+    for (i = 0; i < 1000; i++)
+        add(world, bar((float)(10 * i), (float)(10 * i + 1)));
+    commit(world, 0, 0, 0);
+    stats = stats_of(world);
+    ok(msap_destroy(world));
+    return stats.cells;
+}
+
+/* cell_size is the least width: there are no more cells than that, and not only one. */
+START_TEST(cells_are_as_wide_as_asked)
+{
+    uint64_t chosen = cells_of_a_row(0);
+    ck_assert(chosen >= 50 && chosen <= 1000);
+    ck_assert_uint_eq(cells_of_a_row(1), chosen); /* less than would be chosen anyway */
+    ck_assert(cells_of_a_row(1000) <= 11 && cells_of_a_row(1000) >= 5);
+    ck_assert(cells_of_a_row(4000) <= 4 && cells_of_a_row(4000) >= 2);
+    ck_assert_uint_eq(cells_of_a_row(1e6f), 1);
+    ck_assert_uint_eq(cells_of_a_row(float_of(0x7F7FFFFF)), 1);
+}
+END_TEST
+
+/* A fixed grid has the cells that were asked for, and boxes beyond it wrap into them. */
+START_TEST(a_fixed_grid_has_the_cells_that_were_asked_for)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_world *world;
+    int i;
+    config.grid = MSAP_GRID_FIXED;
+    config.margin = 0;
+    for (i = 0; i < 3; i++) {
+        config.grid_cells[i] = (uint32_t)(i + 3); /* 3x4x5 */
+        config.grid_max[i] = (float)(10 * (i + 3));
+    }
+    ok(msap_create(&config, &world));
+    for (i = 0; i < 60; i++) {
+        float x = (float)(10 * (i % 3) + 5), y = (float)(10 * (i / 3 % 4) + 5), z = (float)(10 * (i / 12) + 5);
+        add(world, box_of(x, y, z, x, y, z));
+    }
+    commit(world, 0, 0, 0);
+    ck_assert(stats_of(world).cells == 60 && stats_of(world).largest_cell == 1);
+    for (i = 0; i < 60; i++) {
+        float x = (float)(10 * (i % 3) + 4 - 30), y = (float)(10 * (i / 3 % 4) + 5 + 80), z = (float)(10 * (i / 12) + 5);
+        add(world, box_of(x, y, z, x, y, z));
+    }
+    commit(world, 0, 0, 0);
+    ck_assert(stats_of(world).cells == 60 && stats_of(world).incidences == 120 && stats_of(world).largest_cell == 2);
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* More cells than there can be memory for: a status code and nothing changed, or the
+ * right events without them. */
+START_TEST(a_grid_that_is_too_large_for_the_memory)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_handle a, b;
+    session s;
+    box unit = cube(0, 1), touching = cube(1, 2);
+    int i;
+    config.grid = MSAP_GRID_FIXED;
+    for (i = 0; i < 3; i++) {
+        config.grid_cells[i] = 4096;
+        config.grid_max[i] = 1;
+    }
+    right(session_open(&s, &config, 1, SCENE_GRID));
+    s.memory.limit = 16u << 20;
+    right(session_add(&s, &unit, 0, &a));
+    right(session_add(&s, &touching, 0, &b));
+    for (i = 0; i < 3; i++) {
+        msap_counts counts = {sizeof counts, 0, 7, 7, 7};
+        msap_status status = msap_commit(s.world, NULL, &counts);
+        ck_assert(status == MSAP_OK || status == MSAP_ERROR_MEMORY);
+        ck_assert_uint_eq(counts.created, status != MSAP_OK ? 7 : i == 0 ? 1 : 0);
+        if (status == MSAP_OK)
+            reference_commit(&s.reference);
+        right(session_update(&s, a, i ? &unit : &touching));
+    }
+    right(session_close(&s));
+}
+END_TEST
+
+/* --------------------------------------------------------------- cells that fit */
+
+enum { MOST = 12000 };
+static msap_handle handles[MOST];
+
+/* Boxes of a size at random places in a square; few of them overlap. */
+static box in_square(uint64_t *random, float side, float size)
+{
+    float x = side * (float)random_below(random, 1 << 16) / (1 << 16);
+    float y = side * (float)random_below(random, 1 << 16) / (1 << 16);
+    return box_of(x, y, 0, x + size, y + size, 1);
+}
+
+/* The cells fit the boxes: none holds many, few boxes are in many, and cells without
+ * boxes are not many more than those with. */
+static void cells_fit(const msap_world *world, const char *when)
+{
+    msap_world_stats s = stats_of(world);
+    ck_assert_msg(s.largest_cell <= 150, "%s: %lu of %lu boxes in a cell", when, (unsigned long)s.largest_cell,
+                  (unsigned long)s.boxes);
+    ck_assert_msg(s.incidences <= 6 * s.boxes, "%s: %lu boxes count for %lu", when, (unsigned long)s.boxes,
+                  (unsigned long)s.incidences);
+    ck_assert_msg(s.cells_empty <= 8 * s.boxes, "%s: %lu empty cells for %lu boxes", when,
+                  (unsigned long)s.cells_empty, (unsigned long)s.boxes);
+    ck_assert_msg(s.candidates <= 40 * s.boxes, "%s: %lu candidates for %lu boxes", when,
+                  (unsigned long)s.candidates, (unsigned long)s.boxes);
+}
+
+/* Rows of setups.h with another idea of strategy. */
+static msap_world *fitting_world(int row, float margin)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_world *world;
+    config.strategy = (uint32_t)row;
+    config.margin = margin;
+    ok(msap_create(&config, &world));
+    return world;
+}
+
+static msap_world *field(int row, int boxes, float side, uint64_t *random)
+{
+    msap_world *world = fitting_world(row, MSAP_MARGIN_AUTO);
+    int i;
+    for (i = 0; i < boxes; i++)
+        handles[i] = add(world, in_square(random, side, 1));
+    ok(msap_commit(world, NULL, NULL));
+    cells_fit(world, "at first");
+    return world;
+}
+
+/* A hundred times as many boxes, at the same density, not all at once. */
+START_TEST(a_scene_that_grows)
+{
+    uint64_t random = 1;
+    msap_world *world = field(_i, 120, 30, &random);
+    int i, frame, n = 120;
+    for (frame = 0; frame < 120; frame++) {
+        for (i = 0; i < 99; i++, n++)
+            handles[n] = add(world, in_square(&random, 30 * sqrtf((float)n / 120), 1));
+        ok(msap_commit(world, NULL, NULL));
+        cells_fit(world, "while it grows");
+    }
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Nearly all boxes go; the cells do not stay for ever. */
+START_TEST(a_scene_that_shrinks)
+{
+    uint64_t random = 2;
+    msap_world *world = field(_i, MOST, 300, &random);
+    int i, frame, n = MOST;
+    for (frame = 0; frame < 118; frame++) {
+        for (i = 0; i < 100; i++)
+            ok(msap_remove(world, handles[--n]));
+        for (i = 0; i < n; i += 17)
+            update(world, handles[i], in_square(&random, 300, 1));
+        ok(msap_commit(world, NULL, NULL));
+    }
+    for (frame = 0; frame < 100; frame++) {
+        for (i = 0; i < n; i++)
+            update(world, handles[i], in_square(&random, 300, 1));
+        ok(msap_commit(world, NULL, NULL));
+    }
+    cells_fit(world, "when little is left");
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* All lengths become a hundred times as large, in one commit and in many. */
+START_TEST(a_scene_that_swells)
+{
+    const int steps[] = {1, 50};
+    size_t s;
+    for (s = 0; s < COUNT(steps); s++) {
+        uint64_t random = 3;
+        msap_world *world = field(_i, 2000, 120, &random);
+        int i, frame;
+        for (frame = 1; frame <= steps[s]; frame++) {
+            float scale = powf(100, (float)frame / (float)steps[s]);
+            random = 3;
+            for (i = 0; i < 2000; i++) {
+                box b = in_square(&random, 120, 1);
+                update(world, handles[i], box_of(b.min[0] * scale, b.min[1] * scale, 0, b.max[0] * scale,
+                                                 b.max[1] * scale, scale));
+            }
+            ok(msap_commit(world, NULL, NULL));
+        }
+        for (frame = 0; frame < 3; frame++) { /* at rest, but for a few */
+            for (i = 0; i < 2000; i += 100)
+                update(world, handles[i], in_square(&random, 12000, 100));
+            ok(msap_commit(world, NULL, NULL));
+        }
+        cells_fit(world, "when it has swollen");
+        ok(msap_destroy(world));
+    }
+}
+END_TEST
+
+/* The boxes gather in one place, then spread out again, on foot. */
+START_TEST(a_density_that_changes)
+{
+    uint64_t random = 4;
+    msap_world *world = field(_i, 2000, 120, &random);
+    int i, frame;
+    for (frame = 1; frame <= 120; frame++) {
+        float scale = frame <= 60 ? powf(0.95f, (float)frame) : powf(0.95f, (float)(120 - frame));
+        random = 4;
+        for (i = 0; i < 2000; i++) {
+            box b = in_square(&random, 120, 1);
+            float x = b.min[0] * scale, y = b.min[1] * scale, size = scale;
+            update(world, handles[i], box_of(x, y, 0, x + size, y + size, 1));
+        }
+        ok(msap_commit(world, NULL, NULL));
+        cells_fit(world, frame <= 60 ? "while they gather" : "while they spread");
+    }
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Boxes that were as large as the scene and are small now. */
+START_TEST(boxes_that_shrink)
+{
+    msap_world *world = fitting_world(_i, MSAP_MARGIN_AUTO);
+    uint64_t random = 5;
+    int i, frame;
+    for (i = 0; i < 600; i++)
+        handles[i] = add(world, cube(-1000, 1000));
+    commit(world, 0, 179700, 179700);
+    for (frame = 0; frame < 3; frame++) {
+        for (i = 0; i < 600; i++)
+            update(world, handles[i], in_square(&random, 300, 1));
+        ok(msap_commit(world, NULL, NULL));
+    }
+    cells_fit(world, "when they are small");
+    ck_assert_uint_eq(stats_of(world).giants, 0);
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* ----------------------------------------------------------- work that is in order */
+
+/* All boxes jump in every commit; a few are ten times as large. Twice as many boxes at
+ * the same density are twice the work, not four times. */
+static uint64_t touched_by_jumps(int row, int boxes)
+{
+    msap_world *world = fitting_world(row, MSAP_MARGIN_AUTO);
+    uint64_t random = 6, touched = 0;
+    float side = 3 * sqrtf((float)boxes);
+    int i, frame;
+    for (i = 0; i < boxes; i++)
+        handles[i] = add(world, in_square(&random, side, i % 6 ? 1 : 12));
+    for (frame = 0; frame < 4; frame++) {
+        ok(msap_commit(world, NULL, NULL));
+        touched += stats_of(world).touched;
+        for (i = 0; i < boxes; i++)
+            update(world, handles[i], in_square(&random, side, i % 6 ? 1 : 12));
+    }
+    ok(msap_destroy(world));
+    return touched;
+}
+
+START_TEST(jumps_of_boxes_of_two_sizes)
+{
+    uint64_t few = touched_by_jumps(_i, MOST / 4), many = touched_by_jumps(_i, MOST);
+    ck_assert_msg(many <= 6 * few, "%lu pairs are looked at for %d boxes, %lu for %d", (unsigned long)few, MOST / 4,
+                  (unsigned long)many, MOST);
+}
+END_TEST
+
+/* The same for boxes that walk. */
+static uint64_t touched_by_walking(int row, int boxes)
+{
+    msap_world *world = fitting_world(row, MSAP_MARGIN_AUTO);
+    uint64_t random = 7, touched = 0;
+    float side = 3 * sqrtf((float)boxes);
+    static box at[MOST];
+    int i, frame;
+    for (i = 0; i < boxes; i++) {
+        at[i] = in_square(&random, side, i % 6 ? 1 : 12);
+        handles[i] = add(world, at[i]);
+    }
+    for (frame = 0; frame < 12; frame++) {
+        ok(msap_commit(world, NULL, NULL));
+        touched += stats_of(world).touched;
+        for (i = 0; i < boxes; i++) {
+            at[i].min[i % 2] += 0.03125f;
+            at[i].max[i % 2] += 0.03125f;
+            update(world, handles[i], at[i]);
+        }
+    }
+    ok(msap_destroy(world));
+    return touched;
+}
+
+START_TEST(walks_of_boxes_of_two_sizes)
+{
+    uint64_t few = touched_by_walking(_i, MOST / 4), many = touched_by_walking(_i, MOST);
+    ck_assert_msg(many <= 6 * few, "%lu pairs are looked at for %d boxes, %lu for %d", (unsigned long)few, MOST / 4,
+                  (unsigned long)many, MOST);
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("grids");
+    tcase_add_loop_test(tests, a_pair_in_many_cells_is_one_event, 0, SETUPS);
+    tcase_add_loop_test(tests, borders_between_cells_are_not_seen, 0, SETUPS);
+    tcase_add_loop_test(tests, wrapped_cells_are_not_one_place, 0, SETUPS);
+    tcase_add_test(tests, cells_are_as_wide_as_asked);
+    tcase_add_test(tests, a_fixed_grid_has_the_cells_that_were_asked_for);
+    tcase_add_test(tests, a_grid_that_is_too_large_for_the_memory);
+    tcase_add_loop_test(tests, a_scene_that_grows, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, a_scene_that_shrinks, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, a_scene_that_swells, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, a_density_that_changes, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, boxes_that_shrink, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, jumps_of_boxes_of_two_sizes, 0, MSAP_STRATEGY_SWEEP + 1);
+    tcase_add_loop_test(tests, walks_of_boxes_of_two_sizes, 0, MSAP_STRATEGY_SWEEP + 1);
+    return run_case(tests, "grids");
+}
