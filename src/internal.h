@@ -561,6 +561,8 @@ void msap_layout_free(struct layout *l, struct memory *m);
 int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *boxes);
 void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units);
 
+enum { WIDEST_CELL = 120 }; /* 2^WIDEST_CELL; wider ones would need a subnormal scale */
+
 /* What a sample of the boxes says about an axis. */
 struct spread {
     double size;   /* three in four boxes are not wider */

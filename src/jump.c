@@ -67,7 +67,7 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
         ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
-        r->count[k] = msap_count_for(msap_cells_on(across));
+        r->count[k] = across->exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(across));
         r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
     r->scale[r->axis[0]] = 0;

@@ -10,7 +10,7 @@
  * axes, towers one over one, and crowds in a cube one over three. */
 #include "internal.h"
 
-enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 120 };
+enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
 
 double msap_power_of_two(int exponent)
 {
@@ -89,7 +89,8 @@ static void choose_cells(struct spread s[3], double boxes, double least_size)
     while (cells_on_all(s) > 1 && cells_on_all(s) * BOXES_A_CELL > boxes) s[finest(s)].exponent++;
     for (int round = 0; round < 3 && cells_on_all(s) * CROWDED < boxes; round++) {
         uint32_t k = finest(s);
-        if (msap_power_of_two(s[k].exponent - 1) < s[k].size) break;
+        double narrower = msap_power_of_two(s[k].exponent - 1);
+        if (narrower < s[k].size || narrower < least_size) break;
         s[k].exponent--;
     }
 }
@@ -130,7 +131,7 @@ static void lay_out_for_boxes(struct layout *l, const msap_config *c, const stru
     msap_spread_of(boxes, s);
     choose_cells(s, (double)boxes->live, c->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
-        count[k] = msap_count_for(msap_cells_on(&s[k]));
+        count[k] = s[k].exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(&s[k]));
         l->scale[k] = count[k] == 1 ? 0 : (float)msap_power_of_two(-s[k].exponent);
     }
 }
