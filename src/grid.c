@@ -60,7 +60,8 @@ static int32_t floor_divide(int32_t a, int32_t b)
     return quotient - (a % b < 0);
 }
 
-/* The cells of level 0 that a box touches. */
+/* The cells of level 0 that a box touches; its bounds stand in a larger struct, as all
+ * that vectors read do (bounds.h). */
 struct range msap_range_of(const struct layout *l, const struct bounds *b)
 {
     struct range r;
@@ -234,13 +235,12 @@ void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_stat
 
 static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
 
-/* Brings the cells of a box up to date with its fat bounds, which were `old`. Cells left,
- * kept and entered (paper II.3c): mostly all are kept, else all are left, and those of
- * the current layout entered. Returns 0 without memory. */
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old)
+/* Brings the cells of a box, which were `from` of its layout, up to date with its fat
+ * bounds. Cells left, kept and entered (paper II.3c): mostly all are kept, else all are
+ * left, and those of the current layout entered. Returns 0 without memory. */
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from)
 {
     struct place *p = &g->place[slot];
-    struct range from = msap_range_of(&g->layout[p->layout], old);
     struct range to = msap_range_of(&g->layout[g->current], &p->fat);
     if (p->layout == g->current && same_range(&from, &to)) {
         const struct layout *l = &g->layout[p->layout];

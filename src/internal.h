@@ -552,7 +552,7 @@ struct range msap_range_on(const struct layout *l, struct range base, uint32_t l
 uint32_t msap_level_for(struct range base);
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct bounds *old);
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
 void msap_grid_new_token(struct grid *g);
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);

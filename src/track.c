@@ -90,9 +90,9 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
     if (p->level != NO_LEVEL) {
-        struct bounds old = p->fat;
+        struct range from = msap_range_of(&g->layout[p->layout], &p->fat);
         msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
-        return msap_grid_move(g, job->memory, slot, is_static(b), &old);
+        return msap_grid_move(g, job->memory, slot, is_static(b), from);
     }
     msap_skin_first(p, b, g, slot);
     struct range base = msap_range_of(&g->layout[g->current], &p->fat);
