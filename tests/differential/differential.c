@@ -2,32 +2,43 @@
  * SPDX-License-Identifier: MIT
  *
  * Random scenes against brute force: additions, updates, removals and reuse, over
- * all strategies, dimensions, filters and kinds of numbers; after every commit events,
- * pairs, bounds, user data and statistics are compared and the world is validated.
- * Needs nothing but the C library, so that it runs under any sanitizer or emulator.
+ * all set-ups (see ../unit/setups.h), dimensions and kinds of numbers; after every
+ * commit events, pairs, bounds, user data and statistics are compared and the world is
+ * validated. Needs nothing but the C library and POSIX threads, so that it runs under
+ * any sanitizer or emulator.
  *
  *     differential [SEED [ROUNDS [N]]]
  *
- * ROUNDS scenes (default 20) are played in every set-up, the first with SEED (default
+ * ROUNDS scenes (default 5) are played in every set-up, the first with SEED (default
  * 1), the next with SEED + 1 and so on, of up to N boxes (default 60) in FRAMES
- * frames. A scene that fails is named on stderr with its seed. The last line is
- * "N passed, N failed"; the exit status is 1 if any failed.
+ * frames; and in every set-up one of 20 N boxes in a few frames, which are enough for
+ * workers to get tasks. A scene that fails is named on stderr with its seed. The last
+ * line is "N passed, N failed"; the exit status is 1 if any failed.
  */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "../unit/common.h"
+#include "../unit/setups.h"
 
 #define FRAMES 30
+#define LARGE_FRAMES 5
 
-static const char *play(const msap_config *config, uint64_t seed, scene_kind scene, uint32_t boxes)
+typedef struct scenario {
+    uint64_t seed;
+    scene_kind scene;
+    uint32_t dims, boxes;
+    int frames;
+} scenario;
+
+static const char *play(const msap_config *config, const scenario *t)
 {
     session s;
-    const char *wrong = session_open(&s, config, seed, scene), *wrong_at_close;
+    const char *wrong = session_open(&s, config, t->seed, t->scene), *wrong_at_close;
     int frame;
-    for (frame = 0; frame < FRAMES && !wrong; frame++) {
-        wrong = session_step(&s, boxes);
+    for (frame = 0; frame < t->frames && !wrong; frame++) {
+        wrong = session_step(&s, t->boxes);
         if (!wrong && frame % 7 == 6)
             wrong = session_trim(&s);
     }
@@ -36,19 +47,13 @@ static const char *play(const msap_config *config, uint64_t seed, scene_kind sce
 }
 
 /* One scene in one set-up; returns 1 if it failed. */
-static int play_and_tell(uint32_t dims, uint32_t strategy, uint32_t filters, uint64_t seed, scene_kind scene,
-                         uint32_t boxes)
+static unsigned long play_and_tell(int row, const scenario *t)
 {
-    msap_config config;
-    const char *wrong;
-    msap_config_init(&config, sizeof config);
-    config.dims = dims;
-    config.strategy = strategy;
-    config.filters = filters;
-    wrong = play(&config, seed, scene, boxes);
+    msap_config config = setup_config(t->dims, row);
+    const char *wrong = play(&config, t);
     if (wrong)
-        fprintf(stderr, "seed %" PRIu64 ", n %u, scene %d, %uD, strategy %u, filters %u: %s\n", seed, boxes,
-                (int)scene, dims, strategy, filters, wrong);
+        fprintf(stderr, "seed %" PRIu64 ", n %u, scene %d, %uD, %s: %s\n", t->seed, t->boxes, (int)t->scene, t->dims,
+                setups[row].name, wrong);
     return wrong != NULL;
 }
 
@@ -56,13 +61,26 @@ static int play_and_tell(uint32_t dims, uint32_t strategy, uint32_t filters, uin
 static unsigned long play_all(uint64_t seed, uint32_t boxes, unsigned long *played)
 {
     unsigned long failed = 0;
-    uint32_t dims, strategy, filters;
-    int scene;
-    for (dims = 2; dims <= 3; dims++)
-        for (strategy = MSAP_STRATEGY_AUTO; strategy <= MSAP_STRATEGY_SWEEP; strategy++)
-            for (filters = 0; filters <= 1; filters++)
-                for (scene = 0; scene < SCENE_COUNT; scene++, ++*played)
-                    failed += (unsigned long)play_and_tell(dims, strategy, filters, seed, (scene_kind)scene, boxes);
+    uint32_t dims;
+    int row, scene;
+    for (row = 0; row < SETUPS; row++)
+        for (dims = 2; dims <= 3; dims++)
+            for (scene = 0; scene < SCENE_COUNT; scene++, ++*played) {
+                scenario t = {seed, (scene_kind)scene, dims, boxes, FRAMES};
+                failed += play_and_tell(row, &t);
+            }
+    return failed;
+}
+
+/* One seed of many boxes in every set-up, each with another kind of numbers. */
+static unsigned long play_large(uint64_t seed, uint32_t boxes, unsigned long *played)
+{
+    unsigned long failed = 0;
+    int row;
+    for (row = 0; row < SETUPS; row++, ++*played) {
+        scenario t = {seed, (scene_kind)((seed + (uint64_t)row) % SCENE_COUNT), row % 3 ? 3 : 2, boxes, LARGE_FRAMES};
+        failed += play_and_tell(row, &t);
+    }
     return failed;
 }
 
@@ -81,7 +99,7 @@ static uint64_t number(const char *argument, uint64_t most)
 int main(int argc, char **argv)
 {
     uint64_t seed = argc > 1 ? number(argv[1], UINT64_MAX / 2) : 1;
-    uint64_t rounds = argc > 2 ? number(argv[2], UINT32_MAX) : 20;
+    uint64_t rounds = argc > 2 ? number(argv[2], UINT32_MAX) : 5;
     uint32_t boxes = argc > 3 ? (uint32_t)number(argv[3], 100000) : 60;
     unsigned long failed = 0, played = 0;
     if (argc > 4) {
@@ -89,7 +107,7 @@ int main(int argc, char **argv)
         return 2;
     }
     for (; rounds; rounds--, seed++)
-        failed += play_all(seed, boxes, &played);
+        failed += play_all(seed, boxes, &played) + play_large(seed, 20 * boxes, &played);
     printf("%lu passed, %lu failed\n", played - failed, failed);
     return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

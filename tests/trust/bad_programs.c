@@ -264,7 +264,7 @@ static void bad_values(int row)
  * are never left, and handles have room for one: nothing may be written. */
 static void bad_counts(int row)
 {
-    static const size_t counts[] = {SIZE_MAX, SIZE_MAX - 1, SIZE_MAX / 2 + 1, SIZE_MAX / 8, MSAP_MAX_BOXES + (size_t)1};
+    static const size_t counts[] = {SIZE_MAX, SIZE_MAX - 1, SIZE_MAX / 2 + 1, MSAP_MAX_BOXES + (size_t)1};
     msap_boxes boxes = boxes_in_row(&unit);
     msap_handle handles[8], out = 77;
     msap_index_pair *pairs = NULL;

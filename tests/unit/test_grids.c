@@ -385,8 +385,8 @@ END_TEST
 
 /* ----------------------------------------------------------- work that is in order */
 
-/* At how many pairs six commits look, in all: of a field in which a box in twenty is
- * large, all of them jump, or all of them walk. */
+/* At how many pairs five commits look, in all: of a field in which a box in twenty is
+ * large, all of them jump, or all of them walk after a first jump. */
 static uint64_t touched(int strategy, int boxes, int jump)
 {
     uint64_t random = 6, sum = 0;
@@ -402,7 +402,7 @@ static uint64_t touched(int strategy, int boxes, int jump)
             update(world, handles[i], at[i]);
         }
         ok(msap_commit(world, NULL, NULL));
-        sum += stats_of(world).touched;
+        sum += frame ? stats_of(world).touched : 0;
     }
     ok(msap_destroy(world));
     return sum;

@@ -462,6 +462,108 @@ START_TEST(trim_at_any_time)
 }
 END_TEST
 
+/* ------------------------------------------------------- nothing is left */
+
+static uint64_t bytes_of_empty_world(int row)
+{
+    msap_world *world = new_world(3, row);
+    uint64_t bytes;
+    commit(world, 0, 0, 0);
+    bytes = stats_of(world).bytes;
+    ok(msap_destroy(world));
+    return bytes;
+}
+
+/* A crowd came, moved, jumped and is gone, but for so many. */
+static msap_world *deserted_world(int row, int boxes, int left)
+{
+    static msap_handle handles[6000];
+    msap_world *world = new_world(3, row);
+    uint64_t random = 8;
+    int i, frame;
+    for (i = 0; i < boxes; i++)
+        handles[i] = add(world, random_box(&random, SCENE_SIZES));
+    for (frame = 0; frame < 3; frame++) {
+        ok(msap_commit(world, NULL, NULL));
+        for (i = frame; i < boxes; i += 3)
+            update(world, handles[i], random_box(&random, SCENE_SIZES));
+    }
+    ok(msap_commit(world, NULL, NULL));
+    ok(msap_remove_many(world, (size_t)(boxes - left), handles + left));
+    ok(msap_commit(world, NULL, NULL));
+    return world;
+}
+
+/* After a trim, a world that has been emptied holds hardly more than one that never held
+ * a box. */
+START_TEST(an_emptied_world_holds_little_after_a_trim)
+{
+    msap_world *world = deserted_world(_i, 6000, 0);
+    uint64_t empty = bytes_of_empty_world(_i);
+    ck_assert_uint_gt(stats_of(world).bytes, 1024 * 1024);
+    ok(msap_trim(world));
+    ck_assert_uint_le(stats_of(world).bytes, empty + 8192);
+    commit(world, 0, 0, 0);
+    add(world, cube(0, 1)); /* it can be used again */
+    add(world, cube(1, 2));
+    commit(world, 0, 1, 1);
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Or after a long time, by itself, also when a little is left and goes on. */
+START_TEST(an_emptied_world_holds_little_after_a_while)
+{
+    msap_world *world = deserted_world(_i, 6000, 0);
+    uint64_t empty = bytes_of_empty_world(_i);
+    int i;
+    for (i = 0; i < 300; i++)
+        commit(world, 0, 0, 0);
+    ck_assert_uint_le(stats_of(world).bytes, empty + 8192);
+    ok(msap_destroy(world));
+    world = deserted_world(_i, 6000, 5);
+    for (i = 0; i < 300; i++) {
+        update(world, 1, cube((float)i, (float)(i + 1)));
+        ok(msap_commit(world, NULL, NULL));
+    }
+    ck_assert_uint_le(stats_of(world).bytes, empty + 160 * 1024); /* as a grid of few boxes does */
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* Emptied and filled again many times: it never holds more than after the first. */
+START_TEST(a_world_that_is_emptied_again_and_again)
+{
+    msap_config config = config_of(3, _i);
+    msap_handle handles[400];
+    uint64_t first = 0;
+    session s;
+    int round, frame, i;
+    right(session_open(&s, &config, 1, SCENE_SIZES));
+    for (round = 0; round < 12; round++) {
+        uint64_t random = 5;
+        for (i = 0; i < 400; i++) {
+            box b = random_box(&random, SCENE_SIZES);
+            right(session_add(&s, &b, 0, &handles[i]));
+        }
+        for (frame = 0; frame < 6; frame++) {
+            right(session_commit(&s));
+            for (i = frame % 3; i < 400; i += 3) {
+                box b = random_box(&random, SCENE_SIZES);
+                right(session_update(&s, handles[i], &b));
+            }
+        }
+        for (i = 0; i < 400; i++)
+            right(session_remove(&s, handles[i]));
+        right(session_commit(&s));
+        if (round == 3)
+            first = s.memory.peak;
+    }
+    ck_assert_uint_le(s.memory.peak, first + first / 10);
+    right(session_close(&s));
+}
+END_TEST
+
 /* ----------------------------------------------------------------- balanced */
 
 /* Whatever is pending, destroy gives everything back. */
@@ -515,6 +617,9 @@ int main(void)
     tcase_add_loop_test(tests, a_scene_that_repeats_itself_asks_for_nothing, 0, SETUPS);
     tcase_add_loop_test(tests, trim_gives_memory_back, 0, SETUPS);
     tcase_add_loop_test(tests, trim_at_any_time, 0, SETUPS);
+    tcase_add_loop_test(tests, an_emptied_world_holds_little_after_a_trim, 0, SETUPS);
+    tcase_add_loop_test(tests, an_emptied_world_holds_little_after_a_while, 0, SETUPS);
+    tcase_add_loop_test(tests, a_world_that_is_emptied_again_and_again, 0, SETUPS);
     tcase_add_loop_test(tests, destroy_with_changes_pending, 0, SETUPS);
     tcase_add_loop_test(tests, each_world_has_its_own_allocator, 0, SETUPS);
     return run_case(tests, "memory");
