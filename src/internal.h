@@ -610,11 +610,13 @@ struct cell *msap_cell_at(const struct level *l, const int32_t at[3]);
 
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
+int msap_skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g);
 float msap_skin_lifetime(const struct box *b);
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 
 int msap_grid_rebuild(struct grid *g, struct job *job);
+enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);

@@ -15,12 +15,13 @@
  * 3. Each row is swept: from each box over those behind it until one starts after its
  *    end, eight at a time. Two boxes that meet in several rows are taken in the one
  *    that holds the higher of their low corners.
- * 4. Boxes that touch many rows are in none; each is tested against all.
+ * 4. Boxes that touch many rows are in none; each is tested against all. Where there
+ *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
  * Sorting and filling take the calling thread, sweeps and tests all workers. */
 #include "internal.h"
 
-enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
+enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
 #define IN_ROWS 0x80000000u /* with a slot: its box is in several rows */
 
 /* The rows that a box touches. */
@@ -205,20 +206,23 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
-/* Touches all pairs that overlap and all that did. Returns 0 without memory. */
+/* Touches all pairs that overlap and all that did. Returns 0 without memory, and
+ * UNSUITED, with nothing done, where there are many wide boxes. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
-    enum { COMMITS = 64 };
+    enum { COMMITS = 16 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
-    if (g->is_tracking) msap_grid_empty(g, job->memory);
-    g->moves = job->boxes->live;
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;
     }
     if (!place_arrays(&j)) return 0;
-    if (!msap_row_set_make(&g->row_set, job->memory, count_rows(&j))) return 0;
+    size_t entries = count_rows(&j);
+    if (j.n_wide > MOST_WIDE) return UNSUITED;
+    if (g->is_tracking) msap_grid_empty(g, job->memory);
+    g->moves = job->boxes->live;
+    if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
     fill_rows(&j);

@@ -10,7 +10,7 @@
  * axes, towers one over one, and crowds in a cube one over three. */
 #include "internal.h"
 
-enum { SAMPLES = 512, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
+enum { SAMPLES = 256, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
 
 double msap_power_of_two(int exponent)
 {
@@ -197,7 +197,7 @@ void msap_layout_free(struct layout *l, struct memory *m)
  * times as wide or as narrow on some axis. */
 static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
 {
-    enum { COMMITS = 256 };
+    enum { COMMITS = 16 };
     struct layout now = g->layout[g->current];
     const struct layout *then = &g->layout[g->current];
     uint32_t count[3];

@@ -46,7 +46,8 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         const struct box *b = &r->job->boxes->at[slot];
         if (!is_live(r, slot)) continue;
         if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
-        else if (!contains(&p->fat, &b->now)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
+        else if (!contains(&p->fat, &b->now) || msap_skin_is_baggy(p, b, g))
+            msap_skin_renew(p, b, g, (uint32_t)slot, 0);
         struct range base = msap_range_of(r->layout, &p->fat);
         p->layout = (uint8_t)g->current;
         p->level = (uint8_t)msap_level_for(base);
@@ -186,7 +187,7 @@ static void forget_absent(struct grid *g, size_t slots)
 /* Whether the layout should be chosen again, since it costs little now. */
 static int is_stale(const struct layout *l, uint32_t commit, size_t boxes)
 {
-    enum { COMMITS = 64 };
+    enum { COMMITS = 4 };
     return msap_is_outgrown(l->chosen_for, boxes) || commit - l->chosen_at > COMMITS;
 }
 

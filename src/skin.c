@@ -113,6 +113,19 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
 }
 
+/* Whether the box has shrunk so much in its skin that it needs a new one: the fat bounds
+ * are far wider on every axis than any skin is made. */
+int msap_skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g)
+{
+    enum { FAR_WIDER = 8 };
+    if (g->config->margin >= 0) return 0;
+    for (uint32_t k = 0; k < g->config->dims; k++)
+        if (!(value_of(p->fat.max[k]) - value_of(p->fat.min[k]) >
+              FAR_WIDER * (value_of(b->now.max[k]) - value_of(b->now.min[k]))))
+            return 0;
+    return 1;
+}
+
 /* For how many commits the skin would last that a box got for its motion in this one. */
 float msap_skin_lifetime(const struct box *b)
 {

@@ -30,7 +30,7 @@ static int is_misplaced(const struct grid *g, const struct box_table *t, uint32_
 {
     const struct place *p = &g->place[slot];
     if (!(t->at[slot].flags & BOX_LIVE)) return p->level != NO_LEVEL;
-    return p->level == NO_LEVEL || !contains(&p->fat, &t->at[slot].now);
+    return p->level == NO_LEVEL || !contains(&p->fat, &t->at[slot].now) || msap_skin_is_baggy(p, &t->at[slot], g);
 }
 
 /* Puts the misplaced ones of the changed boxes first. Returns how many they are. */
@@ -283,8 +283,10 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
     size_t misplaced = misplaced_first(g, job->boxes);
     int is_auto = strategy == MSAP_STRATEGY_AUTO;
     g->commit++;
-    if (is_auto && is_upheaval(g, job->boxes, misplaced) && is_jumpy(job->boxes))
-        return msap_grid_jump(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (is_auto && is_upheaval(g, job->boxes, misplaced) && is_jumpy(job->boxes)) {
+        int done = msap_grid_jump(g, job);
+        if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
+    }
     if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || (is_auto && is_upheaval(g, job->boxes, misplaced)))
         return msap_grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
