@@ -1,0 +1,20 @@
+/* Playing a scene in one world, against brute force.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef PLAY_H
+#define PLAY_H
+
+#include "scene.h"
+
+/* Plays an input. After every commit, every trim and every call that failed, all that
+ * can be read of the world is compared with the reference, and the world is validated.
+ * With failing, the input also tells which allocations fail and how many bytes there
+ * are. Returns a hash of all handles, events, pairs in their order, and statistics. */
+uint64_t play(const uint8_t *data, size_t size, int failing);
+
+/* Makes a call that must be refused, and checks the status and the last error. */
+void wrong_call(session *s, const herd *h, call *c);
+
+#endif
