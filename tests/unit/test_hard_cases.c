@@ -353,6 +353,70 @@ HARD_CASE(swaps_on_one_two_and_three_axes)
     }
 }
 
+/* --------------------------------------------- environments that come and go */
+
+static void same_pairs(const msap_world *world, const msap_world *other,
+                       msap_status (*list)(const msap_world *, const msap_pair **, size_t *))
+{
+    const msap_pair *pairs, *others;
+    size_t count, other_count, i, differ = 0;
+    ok(list(world, &pairs, &count));
+    ok(list(other, &others, &other_count));
+    ck_assert_uint_eq(count, other_count);
+    for (i = 0; i < count; i++)
+        differ += pairs[i].a != others[i].a || pairs[i].b != others[i].b;
+    ck_assert_uint_eq(differ, 0);
+}
+
+/* Hard numbers; or, of the second kind, subnormals about 0 alone. */
+static box random_bounds(uint64_t *random, int kind)
+{
+    box b = random_box(random, kind ? SCENE_GRID : SCENE_HARD);
+    int axis;
+    for (axis = 0; axis < 3 && kind; axis++) {
+        b.min[axis] *= TINY;
+        b.max[axis] *= TINY;
+    }
+    return b;
+}
+
+/* Of two worlds, one is called in one environment, the other in another at every frame:
+ * what was put into a structure in one must be found there in the next. */
+START_TEST(environments_change_between_commits)
+{
+    uint64_t random = 1;
+    int kind, frame, i;
+    for (kind = 0; kind < 2; kind++) {
+        msap_world *world = new_world(3, _i), *other = new_world(3, _i);
+        msap_handle handles[80];
+        for (frame = 0; frame < 30; frame++) {
+            box boxes[80];
+            for (i = 0; i < 80; i++) {
+                boxes[i] = random_bounds(&random, kind);
+                if (frame == 0)
+                    handles[i] = add(world, boxes[i]);
+                else if (i % 30 > frame)
+                    update(world, handles[i], boxes[i]);
+            }
+            ok(msap_commit(world, NULL, NULL));
+            environment_enter(&environments[frame % (int)ENVIRONMENTS]);
+            for (i = 0; i < 80; i++)
+                if (frame == 0)
+                    add(other, boxes[i]);
+                else if (i % 30 > frame)
+                    update(other, handles[i], boxes[i]);
+            ok(msap_commit(other, NULL, NULL));
+            ok(msap_validate(other, NULL));
+            environment_leave(&environments[frame % (int)ENVIRONMENTS]);
+            same_pairs(world, other, msap_deleted);
+            same_pairs(world, other, msap_created);
+        }
+        ok(msap_destroy(world));
+        ok(msap_destroy(other));
+    }
+}
+END_TEST
+
 /* ------------------------------------------------------------------- refusals */
 
 /* Bounds that differ by one ulp where the host may take both for 0, and others that
@@ -437,6 +501,7 @@ int main(void)
     tcase_add_loop_test(tests, about_flt_max, 0, SETUPS);
     tcase_add_loop_test(tests, shrinks_grows_and_passes_through, 0, SETUPS);
     tcase_add_loop_test(tests, swaps_on_one_two_and_three_axes, 0, SETUPS);
+    tcase_add_loop_test(tests, environments_change_between_commits, 0, SETUPS);
     tcase_add_loop_test(tests, refused_and_accepted, 0, SETUPS);
     tcase_add_test(tests, pruning_nothing_but_infinities);
     return run_case(tests, "hard cases");

@@ -106,7 +106,8 @@ START_TEST(beyond_the_floats)
     b = msap_bounds_widened(&last, max);
     c = msap_bounds_widened(&last, tiny);
     environment_leave(&environments[_i]);
-    ck_assert(contains(&a, &infinite));
+    for (int k = 0; k < 3; k++) /* one by one: vectors read past a box that stands alone */
+        ck_assert(a.min[k] <= infinite.min[k] && infinite.max[k] <= a.max[k]);
     ck_assert(b.min[0] == infinite.min[0] && b.max[0] == infinite.max[0]);
     ck_assert(b.max[1] == infinite.max[1] && b.min[2] == infinite.min[2]);
     ck_assert(float_of_ordered(b.min[1]) <= 0 && float_of_ordered(b.min[1]) >= -tiny);
