@@ -23,23 +23,32 @@ struct sum {
     unsigned tasks;
 };
 
+struct terms {
+    uint32_t n;
+    double total;
+};
+
 static void add_up(void *terms)
 {
-    volatile double sum = 0;
-    for (uint32_t i = *(uint32_t *)terms; i > 0; i--)
-        sum += i;
+    struct terms *t = terms;
+    double total = 0;
+    for (uint32_t i = 0; i < t->n; i++)
+        total += i;
+    t->total = total;
 }
 
 static outcome sum_up(const void *what)
 {
     const struct sum *s = what;
-    uint32_t terms = 20000000 / s->tasks;
+    struct terms terms[MOST_TASKS];
     void *ticket[MOST_TASKS] = {NULL};
     outcome o = {0, 0};
+    for (unsigned i = 0; i < s->tasks; i++)
+        terms[i].n = 20000000 / s->tasks;
     double start = wall_ms();
     for (unsigned i = 1; i < s->tasks; i++)
-        ticket[i] = thread_pool_enqueue(s->pool, add_up, &terms);
-    add_up(&terms);
+        ticket[i] = thread_pool_enqueue(s->pool, add_up, &terms[i]);
+    add_up(&terms[0]);
     for (unsigned i = 1; i < s->tasks; i++)
         if (ticket[i])
             thread_pool_finish(s->pool, ticket[i]);

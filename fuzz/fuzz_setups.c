@@ -17,7 +17,7 @@
 #include <xmmintrin.h>
 #endif
 
-enum { WORLDS = 3, MOST = 1400, PATIENCE = 150000 };
+enum { WORLDS = 3, MOST = 700, PATIENCE = 40000 };
 
 typedef struct rival {
     msap_world *world;
