@@ -9,18 +9,20 @@
  * allocating: there is room on the changed list for every slot. */
 #include "internal.h"
 
+static void set_next(struct box *b, uint32_t slot) { b->now.min[0] = (int32_t)slot; }
+
 static void queue_put(struct box_table *t, struct slot_queue *q, uint32_t slot)
 {
-    t->at[slot].next = NONE;
+    set_next(&t->at[slot], NONE);
     if (q->head == NONE) q->head = slot;
-    else t->at[q->tail].next = slot;
+    else set_next(&t->at[q->tail], slot);
     q->tail = slot;
 }
 
 static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
 {
     uint32_t slot = q->head;
-    q->head = t->at[slot].next;
+    q->head = box_next(&t->at[slot]);
     return slot;
 }
 
@@ -36,14 +38,12 @@ void msap_boxes_init(struct box_table *t)
 void msap_boxes_free(struct box_table *t, struct memory *m)
 {
     msap_memory_free(m, t->at, t->room, sizeof *t->at);
-    msap_memory_free(m, t->user_data, t->room_user_data, sizeof *t->user_data);
     msap_memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
 }
 
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
 {
     return msap_memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
-           msap_memory_reserve(m, &t->user_data, &t->room_user_data, slots, t->used, sizeof *t->user_data) &&
            msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
 }
 
@@ -70,7 +70,6 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 {
     forget_slots(t);
     msap_memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
-    msap_memory_shrink(m, &t->user_data, &t->room_user_data, t->used, sizeof *t->user_data);
     msap_memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
 }
 
@@ -78,7 +77,7 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k)
 {
     size_t free = 0;
-    for (uint32_t slot = t->free.head; slot != NONE && free < k; slot = t->at[slot].next) free++;
+    for (uint32_t slot = t->free.head; slot != NONE && free < k; slot = box_next(&t->at[slot])) free++;
     return t->used + (k - free);
 }
 
@@ -96,7 +95,7 @@ uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t
     struct box *b = &t->at[slot];
     b->now = b->before = *bounds;
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
-    t->user_data[slot] = user_data;
+    b->user_data = user_data;
     t->live++;
     box_mark_changed(t, slot);
     return slot;

@@ -97,23 +97,40 @@ static void undo_update(struct box_table *t, size_t n_changed)
     }
 }
 
+/* Gives a box that was not changed yet the bounds of a row, or leaves it as it is. */
+static msap_status update_one(struct box_table *t, uint32_t slot, const msap_boxes *boxes, size_t row,
+                              uint32_t dims, uint32_t *bound)
+{
+    struct box *b = &t->at[slot];
+    msap_status status = bounds_read(boxes, row, dims, &b->now, bound);
+    if (status == MSAP_OK) box_mark_changed(t, slot);
+    else b->now = b->before;
+    return status;
+}
+
 /* Updates the boxes of a batch that were not changed yet, and checks the others, of
  * which *others becomes the number. */
 static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes,
                                     size_t *others)
 {
+    const msap_boxes from = *boxes;
+    uint32_t dims = w->config.dims;
     size_t n_changed = w->boxes.n_changed;
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
-        msap_status status = b ? bounds_read(boxes, i, w->config.dims, &bounds, &bound) : MSAP_ERROR_HANDLE;
+        const struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        msap_status status = MSAP_ERROR_HANDLE;
+        if (b && !(b->flags & BOX_CHANGED)) {
+            status = update_one(&w->boxes, slot_of(handles[i]), &from, i, dims, &bound);
+        } else if (b) {
+            status = bounds_read(&from, i, dims, &bounds, &bound);
+            ++*others;
+        }
         if (status != MSAP_OK) {
             undo_update(&w->boxes, n_changed);
             return msap_world_fail(w, status, i, bound);
         }
-        if (b->flags & BOX_CHANGED) ++*others;
-        else box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return MSAP_OK;
 }

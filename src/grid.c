@@ -12,47 +12,10 @@
  * A box that would touch more than MOST_CELLS cells goes to a coarser level, whose
  * cells are 4 times as wide; level TOP is one cell, for giants. To find what a box
  * overlaps, the cells that it covers on every level that holds boxes are swept. A
- * level has no more cells to visit than it has memory for, however large the box.
- *
- * Cell numbers are found without rounding, so that a box is always looked for where
- * it was put: a power of two scales the coordinate to units, what lies beyond 2^30
- * units counts as 2^30, and what is nearer to 0 than 2^-30 units counts as 0, whether
- * or not the host's floating point flushes subnormals. */
-#include "internal.h"
+ * level has no more cells to visit than it has memory for, however large the box. */
+#include "cells.h"
 
 /* ------------------------------------------------------------ ranges of cells */
-
-static const float MOST_UNITS = 1073741824.0f, LEAST_UNITS = 1.0f / 1073741824.0f, MOST_FLOAT = 3.402823466e38f;
-
-/* floor(x * scale) on all axes. */
-#if defined(__SSE2__)
-void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units)
-{
-    __m128i bits = load_bounds(ordered);
-    bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
-    __m128 x = _mm_castsi128_ps(bits), most = _mm_set1_ps(MOST_UNITS), most_float = _mm_set1_ps(MOST_FLOAT);
-    x = _mm_max_ps(_mm_min_ps(x, most_float), _mm_sub_ps(_mm_setzero_ps(), most_float));
-    x = _mm_mul_ps(x, _mm_loadu_ps(scale));
-    __m128 magnitude = _mm_andnot_ps(_mm_set1_ps(-0.0f), x);
-    x = _mm_and_ps(x, _mm_cmpge_ps(magnitude, _mm_set1_ps(LEAST_UNITS)));
-    x = _mm_max_ps(_mm_min_ps(x, most), _mm_sub_ps(_mm_setzero_ps(), most));
-    __m128i whole = _mm_cvttps_epi32(x);
-    whole = _mm_add_epi32(whole, _mm_castps_si128(_mm_cmplt_ps(x, _mm_cvtepi32_ps(whole))));
-    _mm_storeu_si128((__m128i *)(void *)units, whole);
-}
-#else
-void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units)
-{
-    for (int k = 0; k < 3; k++) {
-        float x = float_from_bits(float_bits_from_ordered(ordered[k]));
-        x = x > MOST_FLOAT ? MOST_FLOAT : x < -MOST_FLOAT ? -MOST_FLOAT : x;
-        x *= scale[k];
-        if (!(x >= LEAST_UNITS || x <= -LEAST_UNITS)) x = 0;
-        x = x > MOST_UNITS ? MOST_UNITS : x < -MOST_UNITS ? -MOST_UNITS : x;
-        units[k] = (int32_t)x - ((float)(int32_t)x > x);
-    }
-}
-#endif
 
 static int32_t floor_divide(int32_t a, int32_t b)
 {
@@ -60,35 +23,14 @@ static int32_t floor_divide(int32_t a, int32_t b)
     return quotient - (a % b < 0);
 }
 
-/* The cells of level 0 that a box touches; its bounds stand in a larger struct, as all
- * that vectors read do (bounds.h). */
-struct range msap_range_of(const struct layout *l, const struct bounds *b)
+/* Cells of a grid that is as told, from units. */
+struct range msap_range_as_told(const struct layout *l, struct range units)
 {
-    struct range r;
-    int32_t low[4], high[4];
-    msap_units_of(l->scale, b->min, low);
-    msap_units_of(l->scale, b->max, high);
     for (int k = 0; k < 3; k++) {
-        r.low[k] = l->is_told ? floor_divide(low[k] - l->origin[k], l->width[k]) : low[k];
-        r.high[k] = l->is_told ? floor_divide(high[k] - l->origin[k], l->width[k]) : high[k];
+        units.low[k] = floor_divide(units.low[k] - l->origin[k], l->width[k]);
+        units.high[k] = floor_divide(units.high[k] - l->origin[k], l->width[k]);
     }
-    return r;
-}
-
-/* The same on another level, without naming a wrapped cell twice: a range around all
- * cells starts below every other. */
-struct range msap_range_on(const struct layout *layout, struct range base, uint32_t level)
-{
-    const struct level *l = &layout->level[level];
-    uint32_t shift = LEVEL_SHIFT * level;
-    for (uint32_t k = 0; k < 3; k++) {
-        base.low[k] = floor_shift(base.low[k], shift);
-        base.high[k] = floor_shift(base.high[k], shift);
-        if ((int64_t)base.high[k] - base.low[k] < (int64_t)l->count[k]) continue;
-        base.low[k] = -CELL_LIMIT;
-        base.high[k] = (int32_t)l->count[k] - 1 - CELL_LIMIT;
-    }
-    return base;
+    return units;
 }
 
 static uint64_t cells_in(struct range r, uint32_t shift)
@@ -109,35 +51,6 @@ uint32_t msap_level_for(struct range base)
         return 0; /* 8 cells at the most */
     while (level < TOP && cells_in(base, LEVEL_SHIFT * level) > MOST_CELLS) level++;
     return level;
-}
-
-/* The cells of a level at some height and depth. */
-static struct cell *row_of(const struct level *l, int32_t y, int32_t z)
-{
-    return l->cell + (wrap(z, l->count[2]) * (size_t)l->count[1] + wrap(y, l->count[1])) * l->count[0];
-}
-
-struct cell *msap_cell_at(const struct level *l, const int32_t at[3])
-{
-    return row_of(l, at[1], at[2]) + wrap(at[0], l->count[0]);
-}
-
-struct cell_walk msap_cell_walk(const struct level *l, struct range r)
-{
-    struct cell_walk w = {l, r, r.low[0], r.low[1], r.low[2], row_of(l, r.low[1], r.low[2])};
-    return w;
-}
-
-/* Goes to the next row of the range; returns 0 behind the last. */
-int msap_cell_walk_row(struct cell_walk *w)
-{
-    if (++w->y > w->range.high[1]) {
-        w->y = w->range.low[1];
-        if (++w->z > w->range.high[2]) return 0;
-    }
-    w->x = w->range.low[0];
-    w->row = row_of(w->level, w->y, w->z);
-    return 1;
 }
 
 /* -------------------------------------------------------------- life and end */
@@ -213,7 +126,7 @@ int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static
 {
     struct place *p = &g->place[slot];
     struct layout *l = &g->layout[p->layout];
-    struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, base, p->level));
+    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;)
         if (!msap_cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
     l->level[p->level].boxes++;
@@ -226,7 +139,7 @@ void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_stat
 {
     struct place *p = &g->place[slot];
     struct layout *l = &g->layout[p->layout];
-    struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, base, p->level));
+    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
     l->level[p->level].boxes--;
     l->boxes--;
@@ -241,10 +154,10 @@ static int same_range(const struct range *a, const struct range *b) { return mem
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from)
 {
     struct place *p = &g->place[slot];
-    struct range to = msap_range_of(&g->layout[g->current], &p->fat);
+    struct range to = range_of(&g->layout[g->current], &p->fat);
     if (p->layout == g->current && same_range(&from, &to)) {
         const struct layout *l = &g->layout[p->layout];
-        struct cell_walk w = msap_cell_walk(&l->level[p->level], msap_range_on(l, to, p->level));
+        struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, to, p->level));
         for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_update(c, &p->fat, slot, is_static);
         return 1;
     }
@@ -277,11 +190,10 @@ void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int 
     for (int i = 0; i < 2; i++) {
         const struct layout *l = &g->layout[i];
         if (l->boxes == 0) continue;
-        struct range base = msap_range_of(l, &g->place[self].fat);
+        struct range base = range_of(l, &g->place[self].fat);
         for (uint32_t level = first_level; level < LEVELS; level++)
             if (l->level[level].boxes > 0)
-                query_cells(g, w, msap_cell_walk(&l->level[level], msap_range_on(l, base, level)), self,
-                            is_static);
+                query_cells(g, w, cell_walk(&l->level[level], range_on(l, base, level)), self, is_static);
     }
 }
 

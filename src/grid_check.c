@@ -2,7 +2,7 @@
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT */
-#include "internal.h"
+#include "cells.h"
 
 static void count_cells(const struct layout *l, msap_world_stats *stats)
 {
@@ -31,8 +31,7 @@ static uint64_t cells_of(const struct grid *g, uint32_t slot)
 {
     const struct place *p = &g->place[slot];
     const struct layout *l = &g->layout[p->layout];
-    struct cell_walk w =
-        msap_cell_walk(&l->level[p->level], msap_range_on(l, msap_range_of(l, &p->fat), p->level));
+    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, range_of(l, &p->fat), p->level));
     uint64_t n = 0;
     while (cell_next(&w)) n++;
     return n;
@@ -97,7 +96,7 @@ static uint64_t mark_of(uint32_t low, uint32_t high)
 static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint64_t *marks)
 {
     const struct near_list *l = &g->near.of[slot];
-    if (l->n > l->room || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
+    if (l->n > near_room(l) || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
     for (uint32_t i = 0; i < l->n; i++) {
         uint32_t other = l->at[i];
         if (other >= boxes->used || (other > slot) != (i < l->n_above)) return "a neighbour list is not in order";

@@ -117,30 +117,33 @@ enum {
     BOX_NEW = 64      /* within a commit: its end points were just put in, its pairs are to be found */
 };
 
-/* A slot of the box table. `now` equals `before` unless the box is on the changed
- * list; a slot without BOX_LIVE, BOX_WAS and BOX_CHANGED is free or retired. */
+/* A slot of the box table: one cache line, where pointers have 64 bits. `now` equals
+ * `before` unless the box is on the changed list; a slot without BOX_LIVE, BOX_WAS and
+ * BOX_CHANGED is free or retired. */
 struct box {
-    struct bounds now;    /* as last given */
+    struct bounds now;    /* as last given; of one that is not BOX_LIVE, box_next */
     struct bounds before; /* at the last successful commit; means something with BOX_WAS */
-    uint32_t generation;  /* low half of the handle; 0: retired */
     uint32_t flags;
-    uint32_t next; /* slot behind this one in the queue of removed or of free slots, or NONE */
+    uint32_t generation; /* low half of the handle; 0: retired */
+    void *user_data;
 };
 
-/* Slots in the order in which they came, linked through box.next. */
+/* The slot behind this one in the queue of removed or of free slots, or NONE. */
+static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.min[0]; }
+
+/* Slots in the order in which they came, linked through box_next. */
 struct slot_queue {
     uint32_t head, tail;
 };
 
 struct box_table {
     struct box *at;
-    void **user_data;
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
     size_t used;       /* slots given out so far, but for those forgotten since */
     uint32_t
         first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
-    size_t room, room_user_data, room_changed;
+    size_t room, room_changed;
     size_t live;
     size_t n_changed;
     struct slot_queue removed; /* since the last commit, in the order of removal */
@@ -209,15 +212,39 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
 
 void msap_settle_change(struct settler *s, uint64_t key, int is);
 
-/* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
-static inline void settle(struct settler *s, uint32_t a, uint32_t b)
+static inline void decide(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box *p = &s->boxes[a], *q = &s->boxes[b];
     uint32_t both = p->flags & q->flags;
     int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
     int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
-    s->touched++;
     if (was != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
+}
+
+/* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
+static inline void settle(struct settler *s, uint32_t a, uint32_t b)
+{
+    s->touched++;
+    decide(s, a, b);
+}
+
+/* Whether nothing is to be decided: both boxes were and are, and so is the pair, or neither. */
+static inline int is_settled(const struct box *p, const struct box *q)
+{
+    return (overlap(&p->before, &q->before) == overlap(&p->now, &q->now)) &
+           ((p->flags & q->flags & (BOX_WAS | BOX_LIVE)) == (BOX_WAS | BOX_LIVE));
+}
+
+/* Takes the pairs of box a with n others: in a loop that only reads, as long as nothing
+ * is to be decided. */
+static inline void settle_all(struct settler *s, uint32_t a, const uint32_t *others, size_t n)
+{
+    const struct box *boxes = s->boxes, *p = &boxes[a];
+    s->touched += n;
+    for (size_t i = 0; i < n; i++) {
+        while (i < n && is_settled(p, &boxes[others[i]])) i++;
+        if (i < n) decide(s, a, others[i]);
+    }
 }
 
 int msap_touch_known_pairs(struct job *job);
@@ -393,10 +420,15 @@ enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
 
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
-    uint32_t *at;
-    uint32_t n_above, n, room;
-    uint32_t noted; /* the list holds boxes that are not near any more: 1 + the next such list, else 0 */
+    uint32_t *at; /* NULL: no room */
+    uint32_t n_above, n;
+    uint32_t noted;   /* the list holds boxes that are not near any more: 1 + the next such list, else 0 */
+    uint8_t class;    /* of its room, NEAR_UNIT << class */
+    uint8_t searches; /* for boxes to be taken out of it, in round `round` */
+    uint16_t round;
 };
+
+static inline uint32_t near_room(const struct near_list *l) { return l->at ? (uint32_t)NEAR_UNIT << l->class : 0; }
 
 /* b is in the list of a exactly if a is in the list of b, and they are exactly if
  * the fat bounds of a and b overlap and not both are static. */
@@ -404,6 +436,7 @@ struct near_lists {
     struct near_list *of; /* [slots] */
     size_t room;
     uint32_t first_noted; /* 1 + the slot of the first noted list; 0: none, as between commits */
+    uint16_t round;       /* counts the times that the noted ones were tidied */
     struct pool pool;
 };
 
@@ -547,8 +580,7 @@ void msap_grid_empty(struct grid *g, struct memory *m);
 void msap_grid_free(struct grid *g, struct memory *m);
 void msap_grid_trim(struct grid *g, struct memory *m, size_t slots);
 int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots);
-struct range msap_range_of(const struct layout *l, const struct bounds *b);
-struct range msap_range_on(const struct layout *l, struct range base, uint32_t level);
+struct range msap_range_as_told(const struct layout *l, struct range units);
 uint32_t msap_level_for(struct range base);
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
@@ -559,7 +591,6 @@ int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table 
 void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m);
 void msap_layout_free(struct layout *l, struct memory *m);
 int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *boxes);
-void msap_units_of(const float scale[4], const int32_t *ordered, int32_t *units);
 
 enum { WIDEST_CELL = 120 }; /* 2^WIDEST_CELL; wider ones would need a subnormal scale */
 
@@ -575,38 +606,6 @@ int msap_exponent_for(double value);
 double msap_cells_on(const struct spread *s);
 uint32_t msap_count_for(double cells);
 int msap_is_outgrown(size_t chosen_for, size_t boxes);
-
-/* floor(a / 2^shift) */
-static inline int32_t floor_shift(int32_t a, uint32_t shift)
-{
-    return a < 0 ? -1 - (int32_t)((uint32_t)(-1 - a) >> shift) : (int32_t)((uint32_t)a >> shift);
-}
-
-static inline uint32_t wrap(int32_t at, uint32_t count)
-{
-    if ((count & (count - 1)) == 0) return (uint32_t)at & (count - 1);
-    int64_t rest = (int64_t)at % (int64_t)count;
-    return (uint32_t)(rest < 0 ? rest + count : rest);
-}
-
-/* Visits the cells of a range row by row. */
-struct cell_walk {
-    const struct level *level;
-    struct range range;
-    int32_t x, y, z; /* of the next cell */
-    struct cell *row;
-};
-struct cell_walk msap_cell_walk(const struct level *l, struct range r);
-int msap_cell_walk_row(struct cell_walk *w);
-
-/* The next cell, or NULL. */
-static inline struct cell *cell_next(struct cell_walk *w)
-{
-    if (w->x > w->range.high[0] && !msap_cell_walk_row(w)) return NULL;
-    return &w->row[wrap(w->x++, w->level->count[0])];
-}
-
-struct cell *msap_cell_at(const struct level *l, const int32_t at[3]);
 
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);

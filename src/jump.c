@@ -19,7 +19,7 @@
  *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
  * Sorting and filling take the calling thread, sweeps and tests all workers. */
-#include "internal.h"
+#include "cells.h"
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
 #define IN_ROWS 0x80000000u /* with a slot: its box is in several rows */
@@ -88,8 +88,8 @@ static uint64_t range_rows(const struct rows *r, const struct bounds *b, struct 
 {
     int32_t low[4], high[4];
     uint64_t rows = 1;
-    msap_units_of(r->scale, b->min, low);
-    msap_units_of(r->scale, b->max, high);
+    units_of(r->scale, b->min, low);
+    units_of(r->scale, b->max, high);
     for (uint32_t k = 0; k < 2; k++) {
         range->low[k] = low[r->axis[1 + k]];
         range->high[k] = high[r->axis[1 + k]];

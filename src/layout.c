@@ -8,7 +8,7 @@
  * on the axis that has most of them, until there is one for every few boxes; an axis
  * that is down to one cell is not divided at all. So flat scenes get a grid over two
  * axes, towers one over one, and crowds in a cube one over three. */
-#include "internal.h"
+#include "cells.h"
 
 enum { SAMPLES = 256, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
 
@@ -21,7 +21,7 @@ double msap_power_of_two(int exponent)
 }
 
 /* The least exponent whose power of two is not below a value, within limits that
- * keep msap_units_of (grid.c) right for every float. */
+ * keep units_of (cells.h) right for every float. */
 int msap_exponent_for(double value)
 {
     int exponent = LEAST_EXPONENT;
@@ -220,7 +220,7 @@ static int move_over(struct grid *g, struct memory *m, const struct box_table *b
         uint32_t slot = g->next_to_move;
         const struct place *p = &g->place[slot];
         if (p->level == NO_LEVEL || p->layout == g->current) continue;
-        struct range from = msap_range_of(other, &p->fat);
+        struct range from = range_of(other, &p->fat);
         if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from)) return 0;
     }
     if (other->boxes == 0) msap_layout_free(other, m);

@@ -29,22 +29,31 @@ msap_status msap_memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn
     return MSAP_OK;
 }
 
+/* An array starts at a cache line, so that a struct of 64 bytes is one; the byte before
+ * it tells how far from there the allocator's memory starts. */
+enum { CACHE_LINE = 64 };
+
 void *msap_memory_alloc(struct memory *m, size_t count, size_t size)
 {
-    if (count > SIZE_MAX / size) return NULL;
-    void *pointer = m->alloc(m->user, count * size);
+    if (count > (SIZE_MAX - CACHE_LINE) / size) return NULL;
+    size_t bytes = count * size + CACHE_LINE;
+    unsigned char *start = m->alloc(m->user, bytes);
     m->calls++;
-    if (!pointer) return NULL;
-    m->bytes += count * size;
+    if (!start) return NULL;
+    m->bytes += bytes;
     if (m->bytes > m->peak) m->peak = m->bytes;
-    return pointer;
+    size_t offset = CACHE_LINE - (uintptr_t)start % CACHE_LINE;
+    start[offset - 1] = (unsigned char)offset;
+    return start + offset;
 }
 
 void msap_memory_free(struct memory *m, void *pointer, size_t count, size_t size)
 {
     if (!pointer) return;
-    m->bytes -= count * size;
-    m->free(m->user, pointer, count * size);
+    size_t bytes = count * size + CACHE_LINE;
+    unsigned char *array = pointer;
+    m->bytes -= bytes;
+    m->free(m->user, array - array[-1], bytes);
 }
 
 /* Gives the array at *(void **)pointer_to_array room for new_room elements, of which

@@ -22,9 +22,9 @@ static int grow(struct near_list *l, struct near_lists *all, struct memory *m, u
     uint32_t *grown = msap_pool_get(&all->pool, m, class);
     if (!grown) return 0;
     if (l->n > 0) memcpy(grown, l->at, l->n * sizeof *grown);
-    if (l->room > 0) msap_pool_put(&all->pool, m, l->at, class_for(l->room));
+    if (l->at) msap_pool_put(&all->pool, m, l->at, l->class);
     l->at = grown;
-    l->room = (uint32_t)NEAR_UNIT << class;
+    l->class = (uint8_t) class;
     return 1;
 }
 
@@ -32,7 +32,7 @@ static int grow(struct near_list *l, struct near_lists *all, struct memory *m, u
 int msap_near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other)
 {
     struct near_list *l = &all->of[self];
-    if (l->n == l->room && !grow(l, all, m, l->n + 1)) return 0;
+    if (l->n == near_room(l) && !grow(l, all, m, l->n + 1)) return 0;
     l->at[l->n] = other;
     if (other > self) {
         l->at[l->n] = l->at[l->n_above];
@@ -52,16 +52,27 @@ void msap_near_take_out(struct near_list *l, uint32_t i)
     l->at[i] = l->at[--l->n];
 }
 
+/* Whether a list may be searched once more in this round. */
+static int may_search(struct near_list *l, uint16_t round)
+{
+    enum { MOST_SEARCHES = 8 };
+    if (l->round != round) {
+        l->round = round;
+        l->searches = 0;
+    }
+    return l->searches++ < MOST_SEARCHES;
+}
+
 /* Takes `other` out of the list of `self`, if it is still there, now that their fat
- * bounds do not overlap any more. A long list is only noted, to be gone through once
- * for all that left it: else boxes that leave a crowd together would search each
- * other's lists in turn. */
+ * bounds do not overlap any more. A long list that is searched often is only noted, to
+ * be gone through once for all that left it: else boxes that leave a crowd together
+ * would search each other's lists in turn. */
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
 {
     enum { LONG = 64 };
     struct near_list *l = &all->of[self];
-    if (l->n > LONG) {
-        if (l->noted) return;
+    if (l->noted) return;
+    if (l->n > LONG && !may_search(l, all->round)) {
         l->noted = all->first_noted + 1;
         all->first_noted = self + 1;
         return;
@@ -75,6 +86,7 @@ void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
 void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
                     const void *context)
 {
+    all->round++;
     while (all->first_noted != 0) {
         uint32_t self = all->first_noted - 1;
         struct near_list *l = &all->of[self];
@@ -89,7 +101,7 @@ void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, 
 void msap_near_drop(struct near_lists *all, struct memory *m, uint32_t self)
 {
     struct near_list *l = &all->of[self];
-    if (l->room > 0) msap_pool_put(&all->pool, m, l->at, class_for(l->room));
+    if (l->at) msap_pool_put(&all->pool, m, l->at, l->class);
     uint32_t noted = l->noted;
     memset(l, 0, sizeof *l);
     l->noted = noted;
@@ -100,8 +112,7 @@ void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots)
 {
     for (uint32_t slot = 0; slot < slots; slot++) {
         struct near_list *l = &all->of[slot];
-        if (l->room > 0 && msap_pool_is_large(class_for(l->room)))
-            msap_pool_put(&all->pool, m, l->at, class_for(l->room));
+        if (l->at && msap_pool_is_large(l->class)) msap_pool_put(&all->pool, m, l->at, l->class);
         memset(l, 0, sizeof *l);
     }
     all->first_noted = 0;

@@ -15,7 +15,7 @@
  *
  * A pair that is found becomes two entries of neighbour lists. Skins are fitted, cells
  * swept and coarser levels asked by all workers (II.3d). */
-#include "internal.h"
+#include "cells.h"
 
 struct rebuild {
     struct grid *grid;
@@ -48,10 +48,10 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
         else if (!contains(&p->fat, &b->now) || msap_skin_is_baggy(p, b, g))
             msap_skin_renew(p, b, g, (uint32_t)slot, 0);
-        struct range base = msap_range_of(r->layout, &p->fat);
+        struct range base = range_of(r->layout, &p->fat);
         p->layout = (uint8_t)g->current;
         p->level = (uint8_t)msap_level_for(base);
-        r->range[slot] = msap_range_on(r->layout, base, p->level);
+        r->range[slot] = range_on(r->layout, base, p->level);
     }
 }
 
@@ -62,7 +62,7 @@ static void count(struct rebuild *r)
     for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
         if (!is_live(r, slot)) continue;
         struct level *l = &r->layout->level[g->place[slot].level];
-        struct cell_walk w = msap_cell_walk(l, r->range[slot]);
+        struct cell_walk w = cell_walk(l, r->range[slot]);
         l->boxes++;
         r->layout->boxes++;
         for (struct cell *c; (c = cell_next(&w)) != NULL;) {
@@ -90,7 +90,7 @@ static void fill_cells(struct rebuild *r)
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct place *p = &r->grid->place[slot];
         if (!is_live(r, slot)) continue;
-        struct cell_walk w = msap_cell_walk(&r->layout->level[p->level], r->range[slot]);
+        struct cell_walk w = cell_walk(&r->layout->level[p->level], r->range[slot]);
         for (struct cell *c; (c = cell_next(&w)) != NULL;)
             msap_cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
     }
@@ -98,24 +98,27 @@ static void fill_cells(struct rebuild *r)
 
 /* ---------------------------------------------------------- steps 3 and 4 */
 
-/* Whether a cell is the one in which two boxes of its level are taken. */
-static int is_meeting_cell(const struct rebuild *r, const struct level *l, const struct cell *c, uint32_t a,
+/* Whether cell `at` of a level is the one in which two of its boxes are taken. */
+static int is_meeting_cell(const struct rebuild *r, const struct level *l, const uint32_t at[3], uint32_t a,
                            uint32_t b)
 {
     const int32_t *p = r->range[a].low, *q = r->range[b].low;
-    int32_t corner[3];
-    for (int k = 0; k < 3; k++) corner[k] = p[k] > q[k] ? p[k] : q[k];
-    return msap_cell_at(l, corner) == c;
+    for (int k = 0; k < 3; k++)
+        if (wrap(p[k] > q[k] ? p[k] : q[k], l->count[k]) != at[k]) return 0;
+    return 1;
 }
 
 static void sweep_cell(const struct rebuild *r, struct worker *w, const struct level *l, const struct cell *c)
 {
+    size_t i = (size_t)(c - l->cell), row_length = l->count[0], rows = l->count[1];
+    const uint32_t at[3] = {(uint32_t)(i % row_length), (uint32_t)(i / row_length % rows),
+                            (uint32_t)(i / row_length / rows)};
     for (uint32_t row = 0; row < c->n_moving; row++) {
         struct bounds b;
         uint32_t slot = msap_cell_row(c, row, &b);
         size_t n = r->grid->sweep(c, row + 1, c->n, &b, w->found);
         for (size_t i = 0; i < n; i++)
-            if (is_meeting_cell(r, l, c, slot, w->found[i]))
+            if (is_meeting_cell(r, l, at, slot, w->found[i]))
                 msap_worker_put(w, (uint64_t)slot << 32 | w->found[i]);
     }
 }

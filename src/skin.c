@@ -20,7 +20,7 @@
 
 static const float FAR = 1e30f; /* no skin for what is larger */
 
-enum { HORIZON_LEAST = 3, HORIZON_FIRST = 16, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 64 };
+enum { HORIZON_LEAST = 3, HORIZON_FIRST = 24, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
@@ -85,10 +85,9 @@ static float reach(const struct motion *m, float most)
     return m->step * most <= m->size ? most : m->size / m->step;
 }
 
-/* Widens the fat bounds on one axis for so many commits. */
-static void reach_out(struct place *p, const struct motion *m, int k, float horizon)
+/* Widens the fat bounds on one axis for so many commits, and by `aside` on both sides. */
+static void reach_out(struct place *p, const struct motion *m, int k, float horizon, float aside)
 {
-    float aside = m->step * horizon * (float)p->wobble / 8;
     int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
     int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
     if (min < p->fat.min[k]) p->fat.min[k] = min;
@@ -110,7 +109,7 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     if (!(horizon >= HORIZON_LEAST && m.size < FAR)) return;
     p->horizon = (uint8_t)horizon;
     horizon *= spread(slot, g->commit);
-    for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon);
+    for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon, m.step * horizon * (float)p->wobble / 8);
 }
 
 /* Whether the box has shrunk so much in its skin that it needs a new one: the fat bounds
@@ -134,17 +133,17 @@ float msap_skin_lifetime(const struct box *b)
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
 
-/* A box that comes into the grid has no past to learn from. Unless it is static it
- * gets, besides a margin that is given, up to an eighth of its size on all sides. */
+/* A box that comes into the grid has no past to learn from. Unless it is static or a
+ * margin is given it gets up to an eighth of its size on all sides. */
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
 {
-    float margin = g->config->margin;
     p->horizon = HORIZON_FIRST;
     p->wobble = 1;
     p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
-    if (margin < 0) {
-        margin = b->flags & BOX_STATIC ? 0 : motion_of(b).size * (spread(slot, g->commit) - 0.5f) / 4;
-        if (!(margin < FAR)) margin = 0;
-    }
-    p->fat = msap_bounds_widened(&b->now, margin);
+    p->fat = b->now;
+    if (g->config->margin > 0) p->fat = msap_bounds_widened(&b->now, g->config->margin);
+    if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
+    struct motion m = motion_of(b);
+    float aside = m.size * (spread(slot, g->commit) - 0.5f) / 4;
+    for (int k = 0; k < 3 && aside < FAR; k++) reach_out(p, &m, k, 0, aside);
 }

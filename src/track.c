@@ -20,28 +20,38 @@
  * Steps 3 and 5 run on all workers. Where too many boxes would have to be put
  * elsewhere, one by one is not the way: if their motion says that new skins will last,
  * all cells and lists are made anew (rebuild.c), else nothing is kept (jump.c). */
-#include "internal.h"
+#include "cells.h"
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
-static int is_misplaced(const struct grid *g, const struct box_table *t, uint32_t slot)
+/* Whether this is the commit in which a box is looked at for what changes slowly. */
+static int is_its_turn(const struct grid *g, uint32_t slot)
+{
+    enum { EVERY = 16 };
+    return (slot + g->commit) % EVERY == 0;
+}
+
+static int is_misplaced(const struct grid *g, const struct box *b, uint32_t slot)
 {
     const struct place *p = &g->place[slot];
-    if (!(t->at[slot].flags & BOX_LIVE)) return p->level != NO_LEVEL;
-    return p->level == NO_LEVEL || !contains(&p->fat, &t->at[slot].now) || msap_skin_is_baggy(p, &t->at[slot], g);
+    if (!(b->flags & BOX_LIVE)) return p->level != NO_LEVEL;
+    return p->level == NO_LEVEL || !contains(&p->fat, &b->now) ||
+           (is_its_turn(g, slot) && msap_skin_is_baggy(p, b, g));
 }
 
 /* Puts the misplaced ones of the changed boxes first. Returns how many they are. */
 static size_t misplaced_first(const struct grid *g, const struct box_table *t)
 {
-    size_t n = 0;
-    for (size_t i = 0; i < t->n_changed; i++) {
-        uint32_t slot = t->changed[i];
-        if (!is_misplaced(g, t, slot)) continue;
-        t->changed[i] = t->changed[n];
-        t->changed[n++] = slot;
+    const struct box *boxes = t->at;
+    uint32_t *changed = t->changed;
+    size_t n = 0, n_changed = t->n_changed;
+    for (size_t i = 0; i < n_changed; i++) {
+        uint32_t slot = changed[i];
+        if (!is_misplaced(g, &boxes[slot], slot)) continue;
+        changed[i] = changed[n];
+        changed[n++] = slot;
     }
     return n;
 }
@@ -55,8 +65,8 @@ static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
         const struct layout *l = &g->layout[g->current];
-        struct range base = msap_range_of(l, &g->place[changed[i]].fat);
-        key[i] = (uint64_t)(msap_cell_at(&l->level[0], base.low) - l->cell) << 32 | changed[i];
+        struct range base = range_of(l, &g->place[changed[i]].fat);
+        key[i] = (uint64_t)(cell_at(&l->level[0], base.low) - l->cell) << 32 | changed[i];
     }
     msap_sort_keys(key, n, key + n);
     for (size_t i = 0; i < n; i++) changed[i] = (uint32_t)key[i];
@@ -68,7 +78,7 @@ static void leave(struct grid *g, const struct job *job, uint32_t slot)
     struct near_list *l = &g->near.of[slot];
     const struct place *p = &g->place[slot];
     msap_grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]),
-                   msap_range_of(&g->layout[p->layout], &p->fat));
+                   range_of(&g->layout[p->layout], &p->fat));
     for (uint32_t i = 0; i < l->n; i++) {
         settle(job->settler, slot, l->at[i]);
         msap_near_remove(&g->near, l->at[i], slot);
@@ -90,12 +100,12 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     struct place *p = &g->place[slot];
     const struct box *b = &job->boxes->at[slot];
     if (p->level != NO_LEVEL) {
-        struct range from = msap_range_of(&g->layout[p->layout], &p->fat);
+        struct range from = range_of(&g->layout[p->layout], &p->fat);
         msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
         return msap_grid_move(g, job->memory, slot, is_static(b), from);
     }
     msap_skin_first(p, b, g, slot);
-    struct range base = msap_range_of(&g->layout[g->current], &p->fat);
+    struct range base = range_of(&g->layout[g->current], &p->fat);
     p->layout = (uint8_t)g->current;
     p->level = (uint8_t)msap_level_for(base);
     return msap_grid_put(g, job->memory, slot, is_static(b), base);
@@ -156,15 +166,15 @@ static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
     return msap_near_add(&g->near, job->memory, a, b) && msap_near_add(&g->near, job->memory, b, a);
 }
 
-/* Makes the list of a box what was found for it: keys first ... last - 1. */
-static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const uint64_t *first,
-                      const uint64_t *last)
+/* Makes the list of a box what was found for it: keys first ... last - 1 of those found. */
+static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const struct keys *found, size_t first,
+                      size_t last)
 {
     msap_grid_new_token(g);
-    for (const uint64_t *key = first; key < last; key++) g->tag[(uint32_t)*key] = g->token;
+    for (size_t i = first; i < last; i++) g->tag[(uint32_t)found->at[i]] = g->token;
     part_from_old(g, job, slot);
-    for (const uint64_t *key = first; key < last; key++) {
-        uint32_t other = (uint32_t)*key;
+    for (size_t i = first; i < last; i++) {
+        uint32_t other = (uint32_t)found->at[i];
         if (g->tag[other] != g->token) continue;
         g->tag[other] = g->token + 1;
         if (!join(g, job, slot, other)) return 0;
@@ -181,7 +191,7 @@ static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, si
     for (size_t i = 0, at = 0; i < n; i++) {
         size_t end = at;
         while (end < found->n && found->at[end] >> 32 == slot[i]) end++;
-        if (!renew_list(g, job, slot[i], found->at + at, found->at + end)) return 0;
+        if (!renew_list(g, job, slot[i], found, at, end)) return 0;
         at = end;
     }
     return 1;
@@ -196,16 +206,13 @@ static int is_near(const void *context, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ step 5 */
 
-/* Every pair once, from the lower box. */
+/* Every pair once, from the lower box, whether or not a box of it changed. */
 static void touch_all(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct tracking *t = context;
-    const struct box *boxes = t->job->boxes->at;
-    for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
-        const struct near_list *l = &t->grid->near.of[slot];
-        for (uint32_t i = 0; i < l->n_above; i++)
-            if ((boxes[slot].flags | boxes[l->at[i]].flags) & BOX_CHANGED) settle(&w->settler, slot, l->at[i]);
-    }
+    const struct near_list *list = t->grid->near.of;
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++)
+        settle_all(&w->settler, slot, list[slot].at, list[slot].n_above);
 }
 
 /* Every pair of a changed box; of two changed boxes from the lower one. */
@@ -225,15 +232,15 @@ static int touch_neighbours(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct tracking all = {g, job, t->changed};
-    if (t->n_changed * 2 > t->live) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
+    if (t->n_changed * 4 > t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
     return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
 }
 
 /* ---------------------------------------------------------------- choosing */
 
-/* What putting one box elsewhere costs, in boxes pruned when all are (jump.c). From
- * bench/strategies. */
-enum { COST_OF_A_MOVE = 7 };
+/* What putting one box elsewhere costs, and taking one out, in boxes pruned when all are
+ * (jump.c); to make one anew with all others costs 2 (rebuild.c). From bench/strategies. */
+enum { COST_OF_A_MOVE = 7, COST_OF_LEAVING = 1, COST_OF_REBUILDING = 2 };
 
 /* How many boxes would be misplaced in each commit if all moved on as in this one and
  * had their skins: estimated from some of the changed boxes. Those that come do not
@@ -269,10 +276,15 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 }
 
 /* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
- * or so many boxes must be put elsewhere that it is cheaper. */
+ * or so many boxes must be put elsewhere that it is cheaper. The first `misplaced` of the
+ * changed boxes must be. */
 static int is_upheaval(const struct grid *g, const struct box_table *t, size_t misplaced)
 {
-    return !g->is_tracking || (misplaced > 64 && misplaced * COST_OF_A_MOVE > t->live * 2);
+    size_t cost = 0;
+    if (!g->is_tracking || misplaced <= 64) return !g->is_tracking;
+    for (size_t i = 0; i < misplaced; i++)
+        cost += t->at[t->changed[i]].flags & BOX_LIVE ? COST_OF_A_MOVE : COST_OF_LEAVING;
+    return cost > t->live * COST_OF_REBUILDING;
 }
 
 /* Returns the strategy that was taken, or 0 without memory: then the grid must be
@@ -281,13 +293,13 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 2048 };
     size_t misplaced = misplaced_first(g, job->boxes);
-    int is_auto = strategy == MSAP_STRATEGY_AUTO;
+    int is_auto = strategy == MSAP_STRATEGY_AUTO, is_too_much = is_auto && is_upheaval(g, job->boxes, misplaced);
     g->commit++;
-    if (is_auto && is_upheaval(g, job->boxes, misplaced) && is_jumpy(job->boxes)) {
+    if (is_too_much && is_jumpy(job->boxes)) {
         int done = msap_grid_jump(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
     }
-    if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || (is_auto && is_upheaval(g, job->boxes, misplaced)))
+    if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || is_too_much)
         return msap_grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;

@@ -7,7 +7,7 @@
 static const char *box_broken(const struct box *b)
 {
     const uint32_t lasting = BOX_LIVE | BOX_WAS | BOX_CHANGED;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3 && b->flags & BOX_LIVE; k++)
         if (b->now.min[k] > b->now.max[k] || b->before.min[k] > b->before.max[k]) return "a box is inverted";
     if (b->flags & BOX_NEW) return "a box is still marked as new";
     if (b->flags & BOX_CHANGED) return NULL;
@@ -21,7 +21,7 @@ static const char *box_broken(const struct box *b)
 static const char *queue_broken(const struct box_table *t, const struct slot_queue *q, uint32_t flags)
 {
     size_t n = 0;
-    for (uint32_t slot = q->head; slot != NONE; slot = t->at[slot].next) {
+    for (uint32_t slot = q->head; slot != NONE; slot = box_next(&t->at[slot])) {
         if (slot >= t->used || n++ > t->used) return "a queue of slots is damaged";
         if ((t->at[slot].flags & (BOX_LIVE | BOX_REMOVED)) != flags) return "a slot is in the wrong queue";
     }
