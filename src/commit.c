@@ -74,6 +74,14 @@ static msap_status reserve_events(msap_world *w)
     return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
 
+/* Gives back what the commit worked in, so that a smaller one may find memory. */
+static void give_up(msap_world *w)
+{
+    w->stale = 1;
+    msap_crew_trim(&w->crew, &w->memory, w->boxes.used, w->pairs.most_active);
+    msap_memory_resize(&w->memory, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
+}
+
 /* Steps 1 to 4. */
 static msap_status apply_changes(msap_world *w)
 {
@@ -84,10 +92,11 @@ static msap_status apply_changes(msap_world *w)
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);
         if (status != MSAP_OK) {
-            w->stale = 1;
+            give_up(w);
             return status;
         }
     }
+    if (is_grid(&w->config)) msap_grid_note_events(&w->grid, &s->fresh, &s->doomed);
     msap_pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
     msap_boxes_committed(&w->boxes);
     w->commits++;

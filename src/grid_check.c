@@ -93,29 +93,32 @@ static uint64_t mark_of(uint32_t low, uint32_t high)
     return x ^ x >> 29;
 }
 
-static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint64_t *marks)
+static const char *entry_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint32_t entry)
+{
+    uint32_t other = near_slot(entry);
+    if (other >= boxes->used) return "a neighbour list names no slot";
+    const struct box *p = &boxes->at[slot], *q = &boxes->at[other];
+    if (p->flags & q->flags & BOX_STATIC) return "two static boxes are neighbours";
+    if (!overlap(&g->place[slot].fat, &g->place[other].fat)) return "the fat bounds of neighbours do not overlap";
+    if (((entry & NEAR_PAIR) != 0) != (other > slot && were_pair(p, q)))
+        return "a neighbour list is wrong about a pair";
+    return NULL;
+}
+
+static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint64_t *marks,
+                               size_t *pairs)
 {
     const struct near_list *l = &g->near.of[slot];
     if (l->n > near_room(l) || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
     for (uint32_t i = 0; i < l->n; i++) {
-        uint32_t other = l->at[i];
-        if (other >= boxes->used || (other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
-        if (boxes->at[slot].flags & boxes->at[other].flags & BOX_STATIC) return "two static boxes are neighbours";
-        if (!overlap(&g->place[slot].fat, &g->place[other].fat))
-            return "the fat bounds of neighbours do not overlap";
+        uint32_t other = near_slot(l->at[i]);
+        const char *broken = entry_broken(g, boxes, slot, l->at[i]);
+        if (broken) return broken;
+        if ((other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
         *marks += i < l->n_above ? mark_of(slot, other) : 0 - mark_of(other, slot);
+        *pairs += (l->at[i] & NEAR_PAIR) != 0;
     }
     return NULL;
-}
-
-/* Whether b is in the list of a; a long list is not searched. */
-static int is_near(const struct grid *g, uint32_t a, uint32_t b)
-{
-    enum { LONG = 256 };
-    const struct near_list *l = &g->near.of[a];
-    uint32_t i = 0;
-    while (i < l->n && l->n <= LONG && l->at[i] != b) i++;
-    return i < l->n;
 }
 
 /* The marks of all pairs, added from the lower box and taken off from the higher one,
@@ -124,14 +127,13 @@ static const char *lists_broken(const struct grid *g, const struct box_table *bo
                                 const struct pair_table *pairs)
 {
     uint64_t marks = 0;
+    size_t in_lists = 0;
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
-        const char *broken = list_broken(g, boxes, slot, &marks);
+        const char *broken = list_broken(g, boxes, slot, &marks, &in_lists);
         if (broken) return broken;
     }
     if (marks != 0) return "a box is a neighbour, but not the other way round";
-    for (size_t i = 0; i < pairs->active; i++)
-        if (!is_near(g, slot_of(pairs->at[i].a), slot_of(pairs->at[i].b))) return "a pair are no neighbours";
-    return NULL;
+    return in_lists == pairs->active ? NULL : "a pair are no neighbours";
 }
 
 /* The first broken invariant of a grid that is up to date with the last commit, or

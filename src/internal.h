@@ -212,39 +212,20 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
 
 void msap_settle_change(struct settler *s, uint64_t key, int is);
 
-static inline void decide(struct settler *s, uint32_t a, uint32_t b)
+/* Whether two boxes that are not both static overlapped at the last commit. */
+static inline int were_pair(const struct box *p, const struct box *q)
 {
-    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
-    uint32_t both = p->flags & q->flags;
-    int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
-    int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
-    if (was != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
+    return ((p->flags & q->flags & BOX_WAS) != 0) & overlap(&p->before, &q->before);
 }
 
 /* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
 static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 {
+    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    uint32_t both = p->flags & q->flags;
+    int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
     s->touched++;
-    decide(s, a, b);
-}
-
-/* Whether nothing is to be decided: both boxes were and are, and so is the pair, or neither. */
-static inline int is_settled(const struct box *p, const struct box *q)
-{
-    return (overlap(&p->before, &q->before) == overlap(&p->now, &q->now)) &
-           ((p->flags & q->flags & (BOX_WAS | BOX_LIVE)) == (BOX_WAS | BOX_LIVE));
-}
-
-/* Takes the pairs of box a with n others: in a loop that only reads, as long as nothing
- * is to be decided. */
-static inline void settle_all(struct settler *s, uint32_t a, const uint32_t *others, size_t n)
-{
-    const struct box *boxes = s->boxes, *p = &boxes[a];
-    s->touched += n;
-    for (size_t i = 0; i < n; i++) {
-        while (i < n && is_settled(p, &boxes[others[i]])) i++;
-        if (i < n) decide(s, a, others[i]);
-    }
+    if (were_pair(p, q) != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
 }
 
 int msap_touch_known_pairs(struct job *job);
@@ -253,10 +234,8 @@ int msap_touch_known_pairs(struct job *job);
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box *p = &s->boxes[a], *q = &s->boxes[b];
-    uint32_t both = p->flags & q->flags;
-    int was = ((both & BOX_WAS) != 0) & overlap(&p->before, &q->before);
     s->touched++;
-    if (!was && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
+    if (!were_pair(p, q) && !(p->flags & q->flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 /* A pair that is known to have overlapped before. */
@@ -266,6 +245,13 @@ static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
     int is = ((p->flags & q->flags & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
     s->touched++;
     if (!is) msap_settle_change(s, pair_key(a, b), 0);
+}
+
+/* A pair of boxes that live and are not both static, of which it is known whether it was. */
+static inline void settle_near(struct settler *s, uint32_t a, uint32_t b, int was)
+{
+    int is = overlap(&s->boxes[a].now, &s->boxes[b].now);
+    if (is != was) msap_settle_change(s, pair_key(a, b), is);
 }
 
 void msap_touch_all_boxes(const struct job *job);
@@ -418,9 +404,15 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
 
 enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
 
+/* In the entry for a neighbour above, besides its slot: exactly if the two boxes are a
+ * pair, since the last commit. */
+#define NEAR_PAIR 0x80000000u
+
+static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
+
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
-    uint32_t *at; /* NULL: no room */
+    uint32_t *at; /* entries; NULL: no room */
     uint32_t n_above, n;
     uint32_t noted;   /* the list holds boxes that are not near any more: 1 + the next such list, else 0 */
     uint8_t class;    /* of its room, NEAR_UNIT << class */
@@ -440,7 +432,8 @@ struct near_lists {
     struct pool pool;
 };
 
-int msap_near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other);
+int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair);
+void msap_near_mark(struct near_lists *all, uint64_t pair, int is_pair);
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
 void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
                     const void *context);
@@ -607,10 +600,19 @@ double msap_cells_on(const struct spread *s);
 uint32_t msap_count_for(double cells);
 int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
+enum { HORIZON_MOST = 64 }; /* commits that a skin is made for */
+
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
-int msap_skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g);
+int msap_skin_is_far_wider(const struct place *p, const struct box *b, const struct grid *g);
 float msap_skin_lifetime(const struct box *b);
+
+/* Whether the box has shrunk so much in its skin that it needs a new one. Asked only of
+ * skins that are older than any is made for. */
+static inline int skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g)
+{
+    return g->commit - p->since > HORIZON_MOST && msap_skin_is_far_wider(p, b, g);
+}
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
 
@@ -618,6 +620,7 @@ int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
+void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);
 const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);
 

@@ -6,7 +6,9 @@
  * b is in the list of a exactly if a is in the list of b, and they are exactly if
  * the fat bounds of a and b overlap and not both are static. A list holds the
  * slots above its own first, so that a walk over all pairs can visit each from
- * its lower box alone. Within the two parts the order is free. */
+ * its lower box alone. Within the two parts the order is free. The entry for a
+ * neighbour above has NEAR_PAIR exactly if the two boxes are a pair, since the last
+ * commit: so a touch that finds the pair as it was needs to look at nothing else. */
 #include "internal.h"
 
 static unsigned class_for(uint32_t room)
@@ -28,18 +30,57 @@ static int grow(struct near_list *l, struct near_lists *all, struct memory *m, u
     return 1;
 }
 
-/* Puts `other` into the list of `self`, where it is not yet. Returns 0 without memory. */
-int msap_near_add(struct near_lists *all, struct memory *m, uint32_t self, uint32_t other)
+/* Puts an entry into the list of `self`, where it is not yet. Returns 0 without memory. */
+static int put(struct near_lists *all, struct memory *m, uint32_t self, uint32_t entry)
 {
     struct near_list *l = &all->of[self];
     if (l->n == near_room(l) && !grow(l, all, m, l->n + 1)) return 0;
-    l->at[l->n] = other;
-    if (other > self) {
+    l->at[l->n] = entry;
+    if (near_slot(entry) > self) {
         l->at[l->n] = l->at[l->n_above];
-        l->at[l->n_above++] = other;
+        l->at[l->n_above++] = entry;
     }
     l->n++;
     return 1;
+}
+
+/* Makes two boxes neighbours, which they are not yet. Returns 0 without memory. */
+int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair)
+{
+    uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    return put(all, m, low, is_pair ? high | NEAR_PAIR : high) && put(all, m, high, low);
+}
+
+/* Whether one of four entries is for `other`. */
+static int is_among_four(const uint32_t *entry, uint32_t other)
+{
+#if defined(__SSE2__)
+    __m128i same =
+        _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)entry), _mm_set1_epi32((int)other));
+    return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_slli_epi32(same, 1), _mm_setzero_si128())) != 0;
+#else
+    return (near_slot(entry[0]) == other) | (near_slot(entry[1]) == other) | (near_slot(entry[2]) == other) |
+           (near_slot(entry[3]) == other);
+#endif
+}
+
+/* The index of the entry for `other` in the list of `self`, or l->n. */
+static uint32_t find(const struct near_list *l, uint32_t self, uint32_t other)
+{
+    uint32_t i = other > self ? 0 : l->n_above, end = other > self ? l->n_above : l->n;
+    while (i + 4 <= end && !is_among_four(l->at + i, other)) i += 4;
+    while (i < end && near_slot(l->at[i]) != other) i++;
+    return i < end ? i : l->n;
+}
+
+/* Notes that two boxes, if they are neighbours, have become a pair or have ceased to be
+ * one. */
+void msap_near_mark(struct near_lists *all, uint64_t pair, int is_pair)
+{
+    uint32_t low = (uint32_t)(pair >> 32), high = (uint32_t)pair;
+    struct near_list *l = &all->of[low];
+    uint32_t i = find(l, low, high);
+    if (i < l->n) l->at[i] = is_pair ? high | NEAR_PAIR : high;
 }
 
 /* Takes what stands at index i out of the list. */
@@ -77,9 +118,8 @@ void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
         all->first_noted = self + 1;
         return;
     }
-    uint32_t i = other > self ? 0 : l->n_above, end = other > self ? l->n_above : l->n;
-    while (i < end && l->at[i] != other) i++;
-    if (i < end) msap_near_take_out(l, i);
+    uint32_t i = find(l, self, other);
+    if (i < l->n) msap_near_take_out(l, i);
 }
 
 /* Takes out of the noted lists what is not near any more, as is_near says. */
@@ -93,7 +133,7 @@ void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, 
         all->first_noted = l->noted - 1;
         l->noted = 0;
         for (uint32_t i = l->n; i-- > 0;)
-            if (!is_near(context, self, l->at[i])) msap_near_take_out(l, i);
+            if (!is_near(context, self, near_slot(l->at[i]))) msap_near_take_out(l, i);
     }
 }
 

@@ -161,7 +161,7 @@ int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *cont
 void msap_worker_put(struct worker *w, uint64_t key)
 {
     if (w->pairs.n < w->pairs.room ||
-        (w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
+        (!w->settler.lost && w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
         w->pairs.at[w->pairs.n++] = key;
     else w->settler.lost = 1;
 }

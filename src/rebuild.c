@@ -46,7 +46,7 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         const struct box *b = &r->job->boxes->at[slot];
         if (!is_live(r, slot)) continue;
         if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
-        else if (!contains(&p->fat, &b->now) || msap_skin_is_baggy(p, b, g))
+        else if (!contains(&p->fat, &b->now) || skin_is_baggy(p, b, g))
             msap_skin_renew(p, b, g, (uint32_t)slot, 0);
         struct range base = range_of(r->layout, &p->fat);
         p->layout = (uint8_t)g->current;
@@ -157,12 +157,13 @@ static uint32_t last_level(const struct layout *l)
 static int make_lists(struct grid *g, struct job *job)
 {
     const struct keys *found = &job->crew->worker[0].pairs;
+    const struct box *boxes = job->boxes->at;
     for (size_t i = 0; i < found->n; i++) {
         uint32_t a = (uint32_t)(found->at[i] >> 32), b = (uint32_t)found->at[i];
         if (i == 0 || a != found->at[i - 1] >> 32) msap_grid_new_token(g);
         if (g->tag[b] == g->token) continue;
         g->tag[b] = g->token;
-        if (!msap_near_add(&g->near, job->memory, a, b) || !msap_near_add(&g->near, job->memory, b, a)) return 0;
+        if (!msap_near_join(&g->near, job->memory, a, b, were_pair(&boxes[a], &boxes[b]))) return 0;
     }
     return 1;
 }

@@ -20,7 +20,7 @@
 
 static const float FAR = 1e30f; /* no skin for what is larger */
 
-enum { HORIZON_LEAST = 3, HORIZON_FIRST = 24, HORIZON_MOST = 64, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
+enum { HORIZON_LEAST = 3, HORIZON_FIRST = 24, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
@@ -112,9 +112,8 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon, m.step * horizon * (float)p->wobble / 8);
 }
 
-/* Whether the box has shrunk so much in its skin that it needs a new one: the fat bounds
- * are far wider on every axis than any skin is made. */
-int msap_skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g)
+/* Whether the fat bounds are far wider on every axis than any skin is made. */
+int msap_skin_is_far_wider(const struct place *p, const struct box *b, const struct grid *g)
 {
     enum { FAR_WIDER = 8 };
     if (g->config->margin >= 0) return 0;
@@ -133,16 +132,19 @@ float msap_skin_lifetime(const struct box *b)
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
 
-/* A box that comes into the grid has no past to learn from. Unless it is static or a
- * margin is given it gets up to an eighth of its size on all sides. */
+/* A box that comes into the grid has no past to learn from. Unless a margin is given or
+ * it is static it gets up to an eighth of its size on all sides. */
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
 {
     p->horizon = HORIZON_FIRST;
     p->wobble = 1;
     p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
+    if (g->config->margin >= 0) {
+        p->fat = msap_bounds_widened(&b->now, g->config->margin);
+        return;
+    }
     p->fat = b->now;
-    if (g->config->margin > 0) p->fat = msap_bounds_widened(&b->now, g->config->margin);
-    if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
+    if (b->flags & BOX_STATIC) return;
     struct motion m = motion_of(b);
     float aside = m.size * (spread(slot, g->commit) - 0.5f) / 4;
     for (int k = 0; k < 3 && aside < FAR; k++) reach_out(p, &m, k, 0, aside);

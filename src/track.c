@@ -26,19 +26,11 @@ static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0;
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
-/* Whether this is the commit in which a box is looked at for what changes slowly. */
-static int is_its_turn(const struct grid *g, uint32_t slot)
-{
-    enum { EVERY = 16 };
-    return (slot + g->commit) % EVERY == 0;
-}
-
 static int is_misplaced(const struct grid *g, const struct box *b, uint32_t slot)
 {
     const struct place *p = &g->place[slot];
     if (!(b->flags & BOX_LIVE)) return p->level != NO_LEVEL;
-    return p->level == NO_LEVEL || !contains(&p->fat, &b->now) ||
-           (is_its_turn(g, slot) && msap_skin_is_baggy(p, b, g));
+    return p->level == NO_LEVEL || !contains(&p->fat, &b->now) || skin_is_baggy(p, b, g);
 }
 
 /* Puts the misplaced ones of the changed boxes first. Returns how many they are. */
@@ -80,17 +72,17 @@ static void leave(struct grid *g, const struct job *job, uint32_t slot)
     msap_grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]),
                    range_of(&g->layout[p->layout], &p->fat));
     for (uint32_t i = 0; i < l->n; i++) {
-        settle(job->settler, slot, l->at[i]);
-        msap_near_remove(&g->near, l->at[i], slot);
+        settle(job->settler, slot, near_slot(l->at[i]));
+        msap_near_remove(&g->near, near_slot(l->at[i]), slot);
     }
     msap_near_drop(&g->near, job->memory, slot);
 }
 
-static uint32_t count_vain(const struct grid *g, const struct box *boxes, uint32_t slot)
+/* How many neighbours of a box it does not overlap. */
+static uint32_t count_vain(const struct near_list *l, const struct box *boxes, uint32_t slot)
 {
-    const struct near_list *l = &g->near.of[slot];
     uint32_t vain = 0;
-    for (uint32_t i = 0; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
+    for (uint32_t i = 0; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[near_slot(l->at[i])].now);
     return vain;
 }
 
@@ -101,7 +93,7 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     const struct box *b = &job->boxes->at[slot];
     if (p->level != NO_LEVEL) {
         struct range from = range_of(&g->layout[p->layout], &p->fat);
-        msap_skin_renew(p, b, g, slot, count_vain(g, job->boxes->at, slot));
+        msap_skin_renew(p, b, g, slot, count_vain(&g->near.of[slot], job->boxes->at, slot));
         return msap_grid_move(g, job->memory, slot, is_static(b), from);
     }
     msap_skin_first(p, b, g, slot);
@@ -149,7 +141,7 @@ static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
     for (uint32_t i = 0; i < l->n;) {
-        uint32_t other = l->at[i];
+        uint32_t other = near_slot(l->at[i]);
         if (g->tag[other] == g->token) {
             g->tag[other] = g->token + 1;
             i++;
@@ -163,7 +155,8 @@ static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
 
 static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
 {
-    return msap_near_add(&g->near, job->memory, a, b) && msap_near_add(&g->near, job->memory, b, a);
+    const struct box *boxes = job->boxes->at;
+    return msap_near_join(&g->near, job->memory, a, b, were_pair(&boxes[a], &boxes[b]));
 }
 
 /* Makes the list of a box what was found for it: keys first ... last - 1 of those found. */
@@ -206,13 +199,20 @@ static int is_near(const void *context, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ step 5 */
 
+/* The pairs of a box with neighbours above. */
+static inline void touch_above(struct worker *w, const struct near_list *l, uint32_t slot)
+{
+    const uint32_t *entry = l->at;
+    size_t n = l->n_above;
+    w->settler.touched += n;
+    for (size_t i = 0; i < n; i++) settle_near(&w->settler, slot, near_slot(entry[i]), entry[i] >> 31);
+}
+
 /* Every pair once, from the lower box, whether or not a box of it changed. */
 static void touch_all(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct tracking *t = context;
-    const struct near_list *list = t->grid->near.of;
-    for (uint32_t slot = (uint32_t)first; slot < last; slot++)
-        settle_all(&w->settler, slot, list[slot].at, list[slot].n_above);
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++) touch_above(w, &t->grid->near.of[slot], slot);
 }
 
 /* Every pair of a changed box; of two changed boxes from the lower one. */
@@ -223,8 +223,9 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
     for (size_t c = first; c < last; c++) {
         uint32_t slot = t->slot[c];
         const struct near_list *l = &t->grid->near.of[slot];
-        for (uint32_t i = 0; i < l->n; i++)
-            if (i < l->n_above || !(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
+        touch_above(w, l, slot);
+        for (uint32_t i = l->n_above; i < l->n; i++)
+            if (!(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
     }
 }
 
@@ -232,7 +233,7 @@ static int touch_neighbours(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct tracking all = {g, job, t->changed};
-    if (t->n_changed * 4 > t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
+    if (t->n_changed * 4 >= t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
     return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
 }
 
@@ -303,4 +304,12 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
         return msap_grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
+}
+
+/* The events of a commit that succeeded: lists are to know the pairs. */
+void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed)
+{
+    if (!g->is_tracking) return;
+    for (size_t i = 0; i < fresh->n; i++) msap_near_mark(&g->near, fresh->at[i], 1);
+    for (size_t i = 0; i < doomed->n; i++) msap_near_mark(&g->near, doomed->at[i], 0);
 }

@@ -19,7 +19,21 @@ msap_status msap_config_init(msap_config *config, size_t struct_size)
     return MSAP_OK;
 }
 
-static int is_finite(float value) { return value - value == 0; }
+/* As integers, so that a host that flushes to zero, and a build with -ffast-math, refuse
+ * what all others refuse. */
+static int32_t ordered_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return ordered_from_float_bits(bits);
+}
+
+static int is_finite(float value)
+{
+    return ordered_of(value) > ORDERED_MINUS_INF && ordered_of(value) < ORDERED_INF;
+}
+
+static int is_size(float value) { return ordered_of(value) >= 0 && is_finite(value); }
 
 static int jobs_legal(const msap_config *c)
 {
@@ -30,12 +44,13 @@ static int jobs_legal(const msap_config *c)
 static int grid_legal(const msap_config *c)
 {
     if (c->grid > MSAP_GRID_FIXED) return 0;
-    if (!(c->cell_size >= 0) || !is_finite(c->cell_size)) return 0;
-    if (c->margin != MSAP_MARGIN_AUTO && (!(c->margin >= 0) || !is_finite(c->margin))) return 0;
+    if (!is_size(c->cell_size)) return 0;
+    if (ordered_of(c->margin) != ordered_of(MSAP_MARGIN_AUTO) && !is_size(c->margin)) return 0;
     for (uint32_t k = 0; k < 3 && c->grid == MSAP_GRID_FIXED; k++) {
         if (c->grid_cells[k] < 1 || c->grid_cells[k] > MOST_GRID_CELLS) return 0;
         if (!is_finite(c->grid_min[k]) || !is_finite(c->grid_max[k])) return 0;
-        if (c->grid_cells[k] > 1 && (k >= c->dims || !(c->grid_min[k] < c->grid_max[k]))) return 0;
+        if (c->grid_cells[k] == 1) continue;
+        if (k >= c->dims || ordered_of(c->grid_min[k]) >= ordered_of(c->grid_max[k])) return 0;
     }
     return 1;
 }
@@ -78,6 +93,7 @@ msap_status msap_destroy(msap_world *world)
     if (!world) return MSAP_OK;
     if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
     struct memory m = world->memory;
+    world->busy = 1;
     msap_sap_free(&world->sap, &m);
     msap_grid_free(&world->grid, &m);
     msap_boxes_free(&world->boxes, &m);
@@ -104,7 +120,9 @@ msap_status msap_trim(msap_world *world)
 {
     if (!world) return MSAP_ERROR_NULL;
     if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    world->busy = 1;
     msap_world_trim(world);
+    world->busy = 0;
     return MSAP_OK;
 }
 
