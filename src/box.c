@@ -19,6 +19,13 @@ static void queue_put(struct box_table *t, struct slot_queue *q, uint32_t slot)
     q->tail = slot;
 }
 
+static void queue_put_back(struct box_table *t, struct slot_queue *q, uint32_t slot)
+{
+    set_next(&t->at[slot], q->head);
+    if (q->head == NONE) q->tail = slot;
+    q->head = slot;
+}
+
 static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
 {
     uint32_t slot = q->head;
@@ -88,8 +95,8 @@ static uint32_t take_slot(struct box_table *t)
     return (uint32_t)t->used++;
 }
 
-/* The table has room. Returns the slot. */
-uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
+/* The table has room. The slot comes to the end of the changed list. */
+void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
     uint32_t slot = take_slot(t);
     struct box *b = &t->at[slot];
@@ -98,7 +105,19 @@ uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t
     b->user_data = user_data;
     t->live++;
     box_mark_changed(t, slot);
-    return slot;
+}
+
+/* Takes back the additions since the table had so many slots used and so many boxes
+ * changed: the last ones come off its end, the others go to the head of the free queue. */
+void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed)
+{
+    while (t->n_changed > n_changed) {
+        uint32_t slot = t->changed[--t->n_changed];
+        t->at[slot].flags = 0;
+        t->live--;
+        if (slot >= used) t->used--;
+        else queue_put_back(t, &t->free, slot);
+    }
 }
 
 void msap_box_remove(struct box_table *t, uint32_t slot)

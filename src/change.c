@@ -3,8 +3,8 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * A single call is a batch of one. A batch is applied whole or not at all: it is
- * checked first, or what it did before the first offender is undone. */
+ * A single call is a batch of one. A batch is applied whole or not at all: what it did
+ * before the first offender is undone. */
 #include "internal.h"
 
 /* Opens a call that changes the world, which msap_world.busy marks until it ends. */
@@ -24,18 +24,6 @@ static msap_status end(msap_world *w, msap_status status)
 
 /* ------------------------------------------------------------------- adding */
 
-static msap_status check_new(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags)
-{
-    for (size_t i = 0; i < k; i++) {
-        struct bounds bounds;
-        uint32_t bound = MSAP_NO_BOUND;
-        msap_status status = bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        if (status == MSAP_OK && flags && (flags[i] & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
-        if (status != MSAP_OK) return msap_world_fail(w, status, i, bound);
-    }
-    return MSAP_OK;
-}
-
 static msap_status reserve(msap_world *w, size_t k)
 {
     size_t slots = msap_boxes_slots_for(&w->boxes, k);
@@ -48,26 +36,47 @@ static msap_status reserve(msap_world *w, size_t k)
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
+/* Adds a row of a batch; the caller's memory is read once. */
+static msap_status add_one(msap_world *w, const msap_boxes *boxes, size_t row, uint32_t flags, void *user_data,
+                           uint32_t *bound)
+{
+    struct bounds bounds;
+    msap_status status = bounds_read(boxes, row, w->config.dims, &bounds, bound);
+    if (status == MSAP_OK && (flags & ~MSAP_STATIC)) status = MSAP_ERROR_CONFIG;
+    if (status == MSAP_OK) msap_box_add(&w->boxes, &bounds, flags, user_data);
+    return status;
+}
+
+/* Adds the boxes of a batch, for which there is room, or none of them. */
+static msap_status add_all(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags,
+                           void *const *user_data)
+{
+    struct box_table *t = &w->boxes;
+    size_t used = t->used, n_changed = t->n_changed;
+    for (size_t i = 0; i < k; i++) {
+        uint32_t bound = MSAP_NO_BOUND;
+        msap_status status = add_one(w, boxes, i, flags ? flags[i] : 0, user_data ? user_data[i] : NULL, &bound);
+        if (status == MSAP_OK) continue;
+        msap_boxes_undo_add(t, used, n_changed);
+        return msap_world_fail(w, status, i, bound);
+    }
+    return MSAP_OK;
+}
+
 static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, const uint32_t *flags,
                             void *const *user_data, msap_handle *handles)
 {
     msap_status status = msap_boxes_check(boxes, k);
-    size_t places = w->config.max_boxes - w->boxes.live;
+    size_t places = w->config.max_boxes - w->boxes.live, n_changed = w->boxes.n_changed;
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
     if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
     if (k > places) return msap_world_fail(w, MSAP_ERROR_FULL, places, MSAP_NO_BOUND);
-    status = check_new(w, k, boxes, flags);
-    if (status != MSAP_OK) return status;
     status = reserve(w, k);
     if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
-    for (size_t i = 0; i < k; i++) {
-        struct bounds bounds;
-        uint32_t bound;
-        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        uint32_t slot = msap_box_add(&w->boxes, &bounds, flags ? flags[i] : 0, user_data ? user_data[i] : NULL);
-        handles[i] = handle_of(&w->boxes, slot);
-    }
-    return MSAP_OK;
+    status = add_all(w, k, boxes, flags, user_data);
+    for (size_t i = 0; i < k && status == MSAP_OK; i++)
+        handles[i] = handle_of(&w->boxes, w->boxes.changed[n_changed + i]);
+    return status;
 }
 
 msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, const uint32_t *flags,
@@ -147,8 +156,8 @@ static msap_status update_many(msap_world *w, size_t k, const msap_handle *handl
     for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
         struct bounds bounds;
         uint32_t bound;
-        bounds_read(boxes, i, w->config.dims, &bounds, &bound);
-        box_change(&w->boxes, slot_of(handles[i]), &bounds);
+        if (bounds_read(boxes, i, w->config.dims, &bounds, &bound) == MSAP_OK)
+            box_change(&w->boxes, slot_of(handles[i]), &bounds);
     }
     return status;
 }

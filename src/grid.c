@@ -182,16 +182,17 @@ static void query_cells(const struct grid *g, struct worker *w, struct cell_walk
     }
 }
 
-/* Writes, behind each other as pairs with `self`, the boxes on levels from first_level
- * on whose fat bounds overlap those of `self`; for a static box, those that are not
+/* Writes, behind each other as pairs with `self`, the boxes on levels from `first` to
+ * `last` - 1 whose fat bounds overlap those of `self`; for a static box, those that are not
  * static. A box that is met in several cells is written several times. */
-void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level)
+void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
+                     uint32_t last)
 {
     for (int i = 0; i < 2; i++) {
         const struct layout *l = &g->layout[i];
         if (l->boxes == 0) continue;
         struct range base = range_of(l, &g->place[self].fat);
-        for (uint32_t level = first_level; level < LEVELS; level++)
+        for (uint32_t level = first; level < last; level++)
             if (l->level[level].boxes > 0)
                 query_cells(g, w, cell_walk(&l->level[level], range_on(l, base, level)), self, is_static);
     }

@@ -183,7 +183,8 @@ void msap_boxes_free(struct box_table *t, struct memory *m);
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
 void msap_boxes_trim(struct box_table *t, struct memory *m);
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k);
-uint32_t msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
+void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
+void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed);
 void msap_box_remove(struct box_table *t, uint32_t slot);
 void msap_boxes_committed(struct box_table *t);
 void msap_boxes_free_removed(struct box_table *t);
@@ -266,7 +267,7 @@ struct pair_table {
     size_t room;
     size_t active, created, deleted;
     size_t most_active, most_deleted; /* so far; there is room for both at once */
-    uint32_t *slot;                   /* [slots] index into `at`, or NONE; linear probing, at most 3/4 full */
+    uint32_t *slot;                   /* [slots] index into `at`, or NONE; linear probing, at most half full */
     size_t slots;                     /* 0 or a power of two */
 };
 
@@ -516,6 +517,7 @@ struct rows {
     uint32_t axis[3]; /* the sweep axis first */
     float scale[4];   /* as layout.scale */
     uint32_t count[2];
+    uint32_t shift;     /* count[0] is 1 << shift */
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
 };
@@ -537,10 +539,12 @@ sweep_row_fn msap_sweep_row_for(uint32_t simd);
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
                                uint32_t slot)
 {
-    for (int k = 0; k < 3; k++) {
-        set->min[k][at] = b->min[axis[k]];
-        set->max[k][at] = b->max[axis[k]];
-    }
+    set->min[0][at] = b->min[axis[0]];
+    set->min[1][at] = b->min[axis[1]];
+    set->min[2][at] = b->min[axis[2]];
+    set->max[0][at] = b->max[axis[0]];
+    set->max[1][at] = b->max[axis[1]];
+    set->max[2][at] = b->max[axis[2]];
     set->id[at] = slot;
 }
 
@@ -578,7 +582,8 @@ uint32_t msap_level_for(struct range base);
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from);
-void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first_level);
+void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
+                     uint32_t last);
 void msap_grid_new_token(struct grid *g);
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
 void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m);

@@ -22,7 +22,7 @@
 #include "cells.h"
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
-#define IN_ROWS 0x80000000u /* with a slot: its box is in several rows */
+#define IN_ROWS 0x80000000u /* with a slot, in a key where is_max stands: its box is in several rows */
 
 /* The rows that a box touches. */
 struct row_range {
@@ -72,6 +72,7 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
         r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
     r->scale[r->axis[0]] = 0;
+    for (r->shift = 0; 1u << r->shift < r->count[0];) r->shift++;
     r->chosen_for = boxes->live + 1;
 }
 
@@ -80,28 +81,29 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
 /* The numbers of rows are powers of two. */
 static inline size_t row_at(const struct rows *r, int32_t y, int32_t z)
 {
-    return ((uint32_t)z & (r->count[1] - 1)) * (size_t)r->count[0] + ((uint32_t)y & (r->count[0] - 1));
+    return (size_t)((uint32_t)z & (r->count[1] - 1)) << r->shift | ((uint32_t)y & (r->count[0] - 1));
 }
 
-/* The rows that a box touches; returns how many, in 64 bits. */
-static uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
+/* The rows from unit `low` to unit `high` across: all around, starting below every
+ * other, if they are as many as there are. Returns how many they are. */
+static inline uint64_t range_across(struct row_range *range, uint32_t k, int32_t low, int32_t high, uint32_t count)
+{
+    uint32_t more = (uint32_t)high - (uint32_t)low;
+    int is_all = more >= count;
+    range->low[k] = is_all ? -CELL_LIMIT : low;
+    range->high[k] = is_all ? (int32_t)count - 1 - CELL_LIMIT : high;
+    return is_all ? count : (uint64_t)more + 1;
+}
+
+/* The rows that a box touches; returns how many. */
+static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
 {
     int32_t low[4], high[4];
-    uint64_t rows = 1;
+    uint32_t y = r->axis[1], z = r->axis[2];
     units_of(r->scale, b->min, low);
     units_of(r->scale, b->max, high);
-    for (uint32_t k = 0; k < 2; k++) {
-        range->low[k] = low[r->axis[1 + k]];
-        range->high[k] = high[r->axis[1 + k]];
-        uint64_t wide = (uint64_t)((int64_t)range->high[k] - range->low[k]) + 1;
-        if (wide >= r->count[k]) {
-            range->low[k] = -CELL_LIMIT; /* all around, starting below every other */
-            range->high[k] = (int32_t)r->count[k] - 1 - CELL_LIMIT;
-            wide = r->count[k];
-        }
-        rows *= wide;
-    }
-    return rows;
+    return range_across(range, 0, low[y], high[y], r->count[0]) *
+           range_across(range, 1, low[z], high[z], r->count[1]);
 }
 
 /* Finds the rows of each box, counts the boxes of each row into `end`, and puts the
@@ -110,17 +112,19 @@ static size_t count_rows(struct jump *j)
 {
     const struct rows *r = &j->grid->rows;
     const struct box_table *t = j->job->boxes;
+    uint32_t sweep_axis = r->axis[0];
     size_t entries = 0;
     memset(j->end, 0, (size_t)r->count[0] * r->count[1] * sizeof *j->end);
     for (uint32_t slot = 0; slot < t->used; slot++) {
+        const struct box *b = &t->at[slot];
         struct row_range *range = &j->range[slot];
-        if (!(t->at[slot].flags & BOX_LIVE)) continue;
-        uint64_t rows = range_rows(r, &t->at[slot].now, range);
+        if (!(b->flags & BOX_LIVE)) continue;
+        uint64_t rows = range_rows(r, &b->now, range);
         if (rows > MOST_ROWS) {
             j->wide[j->n_wide++] = slot;
             continue;
         }
-        j->order[j->n++] = key_make(t->at[slot].now.min[r->axis[0]], 0, slot);
+        j->order[j->n++] = key_make(b->now.min[sweep_axis], rows > 1, slot);
         entries += rows;
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
             for (int32_t y = range->low[0]; y <= range->high[0]; y++) j->end[row_at(r, y, z)]++;
@@ -128,24 +132,29 @@ static size_t count_rows(struct jump *j)
     return entries;
 }
 
-static void fill_rows(struct jump *j)
+/* Turns the counts into where each row starts. */
+static void start_rows(struct jump *j, size_t rows)
 {
-    const struct rows *r = &j->grid->rows;
-    size_t rows = (size_t)r->count[0] * r->count[1];
     uint32_t start = 0;
     for (size_t i = 0; i < rows; i++) {
         uint32_t n = j->end[i];
         j->end[i] = start; /* and moves to the end as the row is filled */
         start += n;
     }
+}
+
+static void fill_rows(struct jump *j)
+{
+    const struct rows *r = &j->grid->rows;
+    const struct box *boxes = j->job->boxes->at;
+    const uint32_t axis[3] = {r->axis[0], r->axis[1], r->axis[2]};
+    struct row_set set = j->set;
     for (size_t i = 0; i < j->n; i++) {
-        uint32_t slot = key_box(j->order[i]);
+        uint32_t entry = (uint32_t)j->order[i], slot = entry & ~IN_ROWS;
         const struct row_range *range = &j->range[slot];
-        int is_in_one = range->low[0] == range->high[0] && range->low[1] == range->high[1];
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
             for (int32_t y = range->low[0]; y <= range->high[0]; y++)
-                row_set_put(&j->set, j->end[row_at(r, y, z)]++, &j->job->boxes->at[slot].now, r->axis,
-                            is_in_one ? slot : slot | IN_ROWS);
+                row_set_put(&set, j->end[row_at(r, y, z)]++, &boxes[slot].now, axis, entry);
     }
 }
 
@@ -225,6 +234,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
+    start_rows(&j, (size_t)r->count[0] * r->count[1]);
     fill_rows(&j);
     return msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&
            msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide) && msap_touch_known_pairs(job);

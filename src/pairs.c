@@ -62,7 +62,7 @@ static void fill_table(struct pair_table *t)
 static size_t slots_for(size_t pairs)
 {
     size_t slots = 16;
-    while (slots / 4 * 3 < pairs) slots *= 2;
+    while (slots / 2 < pairs) slots *= 2;
     return pairs ? slots : 0;
 }
 

@@ -111,24 +111,29 @@ msap_status msap_pairs(const msap_world *world, const msap_pair **pairs, size_t 
 
 /* --------------------------------------------------------------- statistics */
 
+/* What msap_world_stats had in version 0.1; as CONFIG_0_1 (world.c). */
+#define STATS_0_1 (offsetof(msap_world_stats, candidates) + sizeof(uint64_t))
+
 msap_status msap_stats(const msap_world *world, msap_world_stats *stats)
 {
+    msap_world_stats all;
     if (!world || !stats) return MSAP_ERROR_NULL;
-    if (stats->struct_size != sizeof *stats) return MSAP_ERROR_STRUCT_SIZE;
-    memset(stats, 0, sizeof *stats);
-    stats->struct_size = (uint32_t)sizeof *stats;
-    stats->boxes = world->boxes.live;
-    stats->pairs = world->pairs.active;
-    stats->pending = world->boxes.n_changed;
-    stats->bytes = world->memory.bytes;
-    stats->bytes_peak = world->memory.peak;
-    stats->allocations = world->memory.calls;
-    stats->commits = world->commits;
-    stats->crossings = world->crew.worker[0].settler.crossings;
-    stats->touched = world->crew.worker[0].settler.touched;
-    stats->slides = world->strategy_used[MSAP_STRATEGY_SLIDE];
-    stats->merges = world->strategy_used[MSAP_STRATEGY_MERGE];
-    stats->sweeps = world->strategy_used[MSAP_STRATEGY_SWEEP];
-    if (is_grid(&world->config)) msap_grid_count(&world->grid, stats);
+    if (stats->struct_size != STATS_0_1 && stats->struct_size != sizeof *stats) return MSAP_ERROR_STRUCT_SIZE;
+    memset(&all, 0, sizeof all);
+    all.struct_size = stats->struct_size;
+    all.boxes = world->boxes.live;
+    all.pairs = world->pairs.active;
+    all.pending = world->boxes.n_changed;
+    all.bytes = world->memory.bytes;
+    all.bytes_peak = world->memory.peak;
+    all.allocations = world->memory.calls;
+    all.commits = world->commits;
+    all.crossings = world->crew.worker[0].settler.crossings;
+    all.touched = world->crew.worker[0].settler.touched;
+    all.slides = world->strategy_used[MSAP_STRATEGY_SLIDE];
+    all.merges = world->strategy_used[MSAP_STRATEGY_MERGE];
+    all.sweeps = world->strategy_used[MSAP_STRATEGY_SWEEP];
+    if (is_grid(&world->config)) msap_grid_count(&world->grid, &all);
+    memcpy(stats, &all, stats->struct_size);
     return MSAP_OK;
 }

@@ -11,7 +11,8 @@
  * 3. Each cell is swept. Two boxes that meet in several cells of their level are
  *    taken in one: the one that holds the higher of their two low corners, which
  *    lies in both ranges and is visited once.
- * 4. Boxes of different levels are found by asking for each box the coarser levels.
+ * 4. Boxes of different levels are found by asking: for each box the coarser levels or,
+ *    where few boxes are on coarse levels, for each of those the finer ones.
  *
  * A pair that is found becomes two entries of neighbour lists. Skins are fitted, cells
  * swept and coarser levels asked by all workers (II.3d). */
@@ -142,15 +143,25 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
     const struct grid *g = r->grid;
     for (size_t slot = first; slot < last; slot++)
         if (is_live(r, slot))
-            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u);
+            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u, LEVELS);
 }
 
-/* The coarsest level that holds boxes. */
-static uint32_t last_level(const struct layout *l)
+/* Asks the finer levels for the boxes in slots first ... last - 1. */
+static void ask_finer(void *context, struct worker *w, size_t first, size_t last)
 {
-    uint32_t level = TOP;
-    while (level > 0 && l->level[level].boxes == 0) level--;
-    return level;
+    const struct rebuild *r = context;
+    const struct grid *g = r->grid;
+    for (size_t slot = first; slot < last; slot++)
+        if (is_live(r, slot) && g->place[slot].level > 0)
+            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), 0, g->place[slot].level);
+}
+
+static int ask(struct rebuild *r)
+{
+    enum { FEW = 64 }; /* cells that a coarse box would have to visit, more or less */
+    size_t coarse = r->layout->boxes - r->layout->level[0].boxes;
+    phase_fn run = coarse < r->layout->boxes / FEW ? ask_finer : ask_coarser;
+    return coarse == 0 || msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used);
 }
 
 /* Makes the pairs that were found neighbours, each once: repeats come together. */
@@ -175,8 +186,7 @@ static int find_pairs(struct rebuild *r)
     struct memory *m = r->job->memory;
     crew->worker[0].pairs.n = 0;
     if (!msap_phase_run(crew, m, sweep_cells, r, r->layout->n_cells)) return 0;
-    if (last_level(r->layout) > 0 && !msap_phase_run(crew, m, ask_coarser, r, r->job->boxes->used)) return 0;
-    return make_lists(g, r->job);
+    return ask(r) && make_lists(g, r->job);
 }
 
 /* ---------------------------------------------------------------- the whole */

@@ -133,7 +133,7 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct tracking *t = context;
     for (size_t i = first; i < last; i++)
-        msap_grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0);
+        msap_grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0, LEVELS);
 }
 
 /* Drops from the list of a box what is not tagged, and tags the rest as known. */
@@ -293,7 +293,7 @@ static int is_upheaval(const struct grid *g, const struct box_table *t, size_t m
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 2048 };
-    size_t misplaced = misplaced_first(g, job->boxes);
+    size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
     int is_auto = strategy == MSAP_STRATEGY_AUTO, is_too_much = is_auto && is_upheaval(g, job->boxes, misplaced);
     g->commit++;
     if (is_too_much && is_jumpy(job->boxes)) {

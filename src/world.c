@@ -4,18 +4,26 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
+/* What msap_config had in version 0.1. Later fields come behind and never before; who was
+ * built without them gives a smaller struct, and gets their defaults. */
+#define CONFIG_0_1 (offsetof(msap_config, jobs_user) + sizeof(void *))
+
+static int is_config_size(size_t size) { return size == CONFIG_0_1 || size == sizeof(msap_config); }
+
 msap_status msap_config_init(msap_config *config, size_t struct_size)
 {
+    msap_config all;
     if (!config) return MSAP_ERROR_NULL;
-    if (struct_size != sizeof *config) return MSAP_ERROR_STRUCT_SIZE;
-    memset(config, 0, sizeof *config);
-    config->struct_size = (uint32_t)sizeof *config;
-    config->dims = 3;
-    config->filters = 1;
-    config->max_boxes = MSAP_MAX_BOXES;
-    config->workers = 1;
-    config->margin = MSAP_MARGIN_AUTO;
-    for (int k = 0; k < 3; k++) config->grid_cells[k] = 1;
+    if (!is_config_size(struct_size)) return MSAP_ERROR_STRUCT_SIZE;
+    memset(&all, 0, sizeof all);
+    all.struct_size = (uint32_t)struct_size;
+    all.dims = 3;
+    all.filters = 1;
+    all.max_boxes = MSAP_MAX_BOXES;
+    all.workers = 1;
+    all.margin = MSAP_MARGIN_AUTO;
+    for (int k = 0; k < 3; k++) all.grid_cells[k] = 1;
+    memcpy(config, &all, struct_size);
     return MSAP_OK;
 }
 
@@ -55,34 +63,40 @@ static int grid_legal(const msap_config *c)
     return 1;
 }
 
-static msap_status config_check(const msap_config *c)
+static int is_legal(const msap_config *c)
 {
-    if (c->struct_size != sizeof *c) return MSAP_ERROR_STRUCT_SIZE;
-    if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1)
-        return MSAP_ERROR_CONFIG;
-    if (c->simd > MSAP_SIMD_256 || c->max_boxes > MSAP_MAX_BOXES) return MSAP_ERROR_CONFIG;
-    return grid_legal(c) && jobs_legal(c) ? MSAP_OK : MSAP_ERROR_CONFIG;
+    if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1) return 0;
+    if (c->simd > MSAP_SIMD_256 || c->max_boxes > MSAP_MAX_BOXES) return 0;
+    return grid_legal(c) && jobs_legal(c);
+}
+
+/* Reads a config of this or an earlier version; NULL is the defaults. */
+static msap_status config_read(msap_config *to, const msap_config *from)
+{
+    msap_config_init(to, sizeof *to);
+    if (!from) return MSAP_OK;
+    if (!is_config_size(from->struct_size)) return MSAP_ERROR_STRUCT_SIZE;
+    memcpy(to, from, from->struct_size);
+    return is_legal(to) ? MSAP_OK : MSAP_ERROR_CONFIG;
 }
 
 msap_status msap_create(const msap_config *config, msap_world **world)
 {
-    msap_config defaults;
+    msap_config c;
     struct memory memory;
     if (!world) return MSAP_ERROR_NULL;
-    msap_config_init(&defaults, sizeof defaults);
-    if (!config) config = &defaults;
-    msap_status status = config_check(config);
-    if (status == MSAP_OK) status = msap_memory_init(&memory, config->alloc, config->free, config->allocator_user);
+    msap_status status = config_read(&c, config);
+    if (status == MSAP_OK) status = msap_memory_init(&memory, c.alloc, c.free, c.allocator_user);
     if (status != MSAP_OK) return status;
     msap_world *w = msap_memory_alloc(&memory, 1, sizeof *w);
     if (!w) return MSAP_ERROR_MEMORY;
     memset(w, 0, sizeof *w);
     w->memory = memory;
-    w->config = *config;
+    w->config = c;
     w->error_bound = MSAP_NO_BOUND;
-    msap_crew_init(&w->crew, config);
+    msap_crew_init(&w->crew, &w->config);
     msap_boxes_init(&w->boxes);
-    msap_sap_init(&w->sap, config->dims);
+    msap_sap_init(&w->sap, c.dims);
     msap_grid_init(&w->grid, &w->config);
     *world = w;
     return MSAP_OK;
