@@ -20,22 +20,28 @@ static unsigned class_for(uint32_t room)
 void msap_cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot)
 {
     struct cell_block *block = &c->block[row / 8];
-    for (int k = 0; k < 3; k++) {
-        block->min[k][row % 8] = b->min[k];
-        block->max[k][row % 8] = b->max[k];
-    }
-    block->id[row % 8] = slot;
+    uint32_t column = row % 8;
+    block->min[0][column] = b->min[0];
+    block->min[1][column] = b->min[1];
+    block->min[2][column] = b->min[2];
+    block->max[0][column] = b->max[0];
+    block->max[1][column] = b->max[1];
+    block->max[2][column] = b->max[2];
+    block->id[column] = slot;
 }
 
 /* Reads a row; returns the slot. */
 uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b)
 {
     const struct cell_block *block = &c->block[row / 8];
-    for (int k = 0; k < 3; k++) {
-        b->min[k] = block->min[k][row % 8];
-        b->max[k] = block->max[k][row % 8];
-    }
-    return block->id[row % 8];
+    uint32_t column = row % 8;
+    b->min[0] = block->min[0][column];
+    b->min[1] = block->min[1][column];
+    b->min[2] = block->min[2][column];
+    b->max[0] = block->max[0][column];
+    b->max[1] = block->max[1][column];
+    b->max[2] = block->max[2][column];
+    return block->id[column];
 }
 
 static void move_row(struct cell *c, uint32_t from, uint32_t to)
@@ -83,11 +89,29 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
     return 1;
 }
 
+/* The column of a slot in a block, or 8. */
+static inline uint32_t column_of(const struct cell_block *b, uint32_t slot)
+{
+#if defined(__SSE2__)
+    const __m128i *id = (const __m128i *)(const void *)b->id, wanted = _mm_set1_epi32((int)slot);
+    __m128i low = _mm_cmpeq_epi32(_mm_loadu_si128(id), wanted),
+            high = _mm_cmpeq_epi32(_mm_loadu_si128(id + 1), wanted);
+    unsigned found = (unsigned)_mm_movemask_epi8(_mm_packs_epi16(_mm_packs_epi32(low, high), _mm_setzero_si128()));
+    return found ? (uint32_t)__builtin_ctz(found) : 8;
+#else
+    uint32_t column = 0;
+    while (column < 8 && b->id[column] != slot) column++;
+    return column;
+#endif
+}
+
+/* The row of a box, which is in the cell: the first that names it, since what stands
+ * behind the last row means nothing. */
 static uint32_t row_of(const struct cell *c, uint32_t slot, int is_static)
 {
-    uint32_t row = is_static ? c->n_moving : 0;
-    while (c->block[row / 8].id[row % 8] != slot) row++;
-    return row;
+    uint32_t block = is_static ? c->n_moving / 8 : 0, column;
+    while ((column = column_of(&c->block[block], slot)) == 8) block++;
+    return block * 8 + column;
 }
 
 /* Gives a box of the cell other bounds. */

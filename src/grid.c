@@ -176,9 +176,7 @@ static void query_cells(const struct grid *g, struct worker *w, struct cell_walk
     const struct bounds *fat = &g->place[self].fat;
     for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
         if (c->n == 0) continue;
-        size_t n = g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found);
-        for (size_t i = 0; i < n; i++)
-            if (w->found[i] != self) msap_worker_put(w, (uint64_t)self << 32 | w->found[i]);
+        msap_worker_put_found(w, self, g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found));
     }
 }
 

@@ -380,6 +380,7 @@ void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pa
 void msap_crew_free(struct crew *crew, struct memory *m);
 int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n);
 void msap_worker_put(struct worker *w, uint64_t key);
+void msap_worker_put_found(struct worker *w, uint32_t self, size_t n);
 
 /* ----------------------------------------------------------------- prune.c */
 

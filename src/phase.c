@@ -157,11 +157,33 @@ int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *cont
     return !own->settler.lost;
 }
 
+/* Whether the worker's buffer has room for n more pairs; if not it counts as full. A buffer
+ * that lacked memory once is not asked for it again. */
+static int has_room(struct worker *w, size_t n)
+{
+    if (w->pairs.room - w->pairs.n >= n) return 1;
+    if (!w->settler.lost && w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + n))
+        return 1;
+    w->settler.lost = 1;
+    w->pairs.n = w->pairs.room;
+    return 0;
+}
+
 /* Appends a pair to the worker's buffer. */
 void msap_worker_put(struct worker *w, uint64_t key)
 {
-    if (w->pairs.n < w->pairs.room ||
-        (!w->settler.lost && w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + 1)))
-        w->pairs.at[w->pairs.n++] = key;
-    else w->settler.lost = 1;
+    if (has_room(w, 1)) w->pairs.at[w->pairs.n++] = key;
+}
+
+/* Appends the pairs of a slot with the first n that a sweep has found, but for itself. */
+void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
+{
+    if (n == 0 || !has_room(w, n)) return;
+    uint64_t *pair = w->pairs.at;
+    size_t at = w->pairs.n;
+    for (size_t i = 0; i < n; i++) {
+        pair[at] = (uint64_t)self << 32 | w->found[i];
+        at += w->found[i] != self;
+    }
+    w->pairs.n = at;
 }
