@@ -166,7 +166,7 @@ typedef enum msap_strategy {
 typedef enum msap_simd {
     MSAP_SIMD_AUTO = 0, /* the best that the machine has */
     MSAP_SIMD_NONE = 1, /* portable C */
-    MSAP_SIMD_128 = 2,  /* four boxes at a time: SSE2 */
+    MSAP_SIMD_128 = 2,  /* four boxes at a time: SSE2, NEON */
     MSAP_SIMD_256 = 3   /* eight boxes at a time: AVX2 */
 } msap_simd;
 

@@ -8,9 +8,10 @@
  * decision is made from the boxes alone, as they were at the last commit and
  * as they are now. So nothing is ever decided by half-updated data, a pair that
  * begins and ceases to overlap between two commits leaves no trace, and "start
- * before stop" (paper I.3) is no rule that anybody must keep. The test of `before`
- * is the paper's overlap test prior to a removal (I.3): of all the crossings that
- * look like removals it lets only the real ones through. */
+ * before stop" (paper I.3) is no rule that anybody must keep. The test of `before` is
+ * the paper's overlap test prior to a removal (I.3): of all the crossings that look
+ * like removals it lets only the real ones through. Where a neighbour list remembers
+ * what the last commit decided (near.c), that test is spared. */
 #include "internal.h"
 
 static void drop_repeats(struct keys *list)

@@ -32,41 +32,63 @@ static size_t sweep_portable(const struct cell *c, uint32_t first, uint32_t last
     return n;
 }
 
+/* Four integers, on the machines that have them at all times: SSE2, NEON. */
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
+#define HAS_AVX2 1
+#define HAS_FOUR 1
 
-#define LOAD128(array) _mm_loadu_si128((const __m128i *)(const void *)(array))
-#define LOAD256(array) _mm256_loadu_si256((const __m256i *)(const void *)(array))
+typedef __m128i four, four_mask;
+static inline four four_at(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
+static inline four four_of(int32_t value) { return _mm_set1_epi32(value); }
+static inline four_mask above(four a, four b) { return _mm_cmpgt_epi32(a, b); }
+static inline four_mask either(four_mask a, four_mask b) { return _mm_or_si128(a, b); }
+static inline uint32_t bits_of(four_mask m) { return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(m)); }
+#elif defined(__aarch64__) && defined(__GNUC__)
+#include <arm_neon.h>
+#define HAS_FOUR 1
 
-/* The columns of half a block, from `half` on, that overlap. */
-static inline uint32_t overlapping128(const struct cell_block *at, int half, const __m128i min[3],
-                                      const __m128i max[3])
+typedef int32x4_t four;
+typedef uint32x4_t four_mask;
+static inline four four_at(const int32_t *at) { return vld1q_s32(at); }
+static inline four four_of(int32_t value) { return vdupq_n_s32(value); }
+static inline four_mask above(four a, four b) { return vcgtq_s32(a, b); }
+static inline four_mask either(four_mask a, four_mask b) { return vorrq_u32(a, b); }
+static inline uint32_t bits_of(four_mask m)
 {
-    __m128i apart = _mm_setzero_si128();
-    for (int k = 0; k < 3; k++) {
-        __m128i below = _mm_cmpgt_epi32(LOAD128(at->min[k] + half), max[k]);
-        apart = _mm_or_si128(apart, _mm_or_si128(below, _mm_cmpgt_epi32(min[k], LOAD128(at->max[k] + half))));
-    }
-    return ~(uint32_t)_mm_movemask_ps(_mm_castsi128_ps(apart)) & 15;
+    static const uint32_t bit[4] = {1, 2, 4, 8};
+    return vaddvq_u32(vandq_u32(m, vld1q_u32(bit)));
+}
+#endif
+
+#if defined(HAS_FOUR)
+/* The columns of half a block, from `half` on, that overlap. */
+static inline uint32_t overlapping(const struct cell_block *at, int half, const four min[3], const four max[3])
+{
+    four_mask x = either(above(four_at(at->min[0] + half), max[0]), above(min[0], four_at(at->max[0] + half)));
+    four_mask y = either(above(four_at(at->min[1] + half), max[1]), above(min[1], four_at(at->max[1] + half)));
+    four_mask z = either(above(four_at(at->min[2] + half), max[2]), above(min[2], four_at(at->max[2] + half)));
+    return ~bits_of(either(either(x, y), z)) & 15;
 }
 
-static size_t sweep_sse2(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
-                         uint32_t *out)
+static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
+                          uint32_t *out)
 {
     size_t n = 0;
-    __m128i min[3], max[3];
-    for (int k = 0; k < 3; k++) {
-        min[k] = _mm_set1_epi32(b->min[k]);
-        max[k] = _mm_set1_epi32(b->max[k]);
-    }
+    const four min[3] = {four_of(b->min[0]), four_of(b->min[1]), four_of(b->min[2])};
+    const four max[3] = {four_of(b->max[0]), four_of(b->max[1]), four_of(b->max[2])};
     for (uint32_t row = first & ~7u; row < last; row += 8) {
         const struct cell_block *at = &c->block[row / 8];
-        uint32_t found = overlapping128(at, 0, min, max) | overlapping128(at, 4, min, max) << 4;
+        uint32_t found = overlapping(at, 0, min, max) | overlapping(at, 4, min, max) << 4;
         for (found &= columns_in(row, first, last); found; found &= found - 1)
             out[n++] = at->id[(uint32_t)__builtin_ctz(found)];
     }
     return n;
 }
+#endif
+
+#if defined(HAS_AVX2)
+#define LOAD256(array) _mm256_loadu_si256((const __m256i *)(const void *)(array))
 
 __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, uint32_t first, uint32_t last,
                                                          const struct bounds *b, uint32_t *out)
@@ -107,27 +129,27 @@ static size_t sweep_row_portable(const struct row_set *s, uint32_t i, uint32_t e
     return n;
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
-static size_t sweep_row_sse2(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
+#if defined(HAS_FOUR)
+static size_t sweep_row_fours(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
 {
-    __m128i stop = _mm_set1_epi32(s->max[0][i]);
-    __m128i min1 = _mm_set1_epi32(s->min[1][i]), max1 = _mm_set1_epi32(s->max[1][i]);
-    __m128i min2 = _mm_set1_epi32(s->min[2][i]), max2 = _mm_set1_epi32(s->max[2][i]);
+    four stop = four_of(s->max[0][i]);
+    four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
+    four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
     size_t n = 0;
     for (uint32_t j = i + 1; j < end; j += 4) {
-        __m128i past = _mm_cmpgt_epi32(LOAD128(s->min[0] + j), stop);
-        __m128i apart = _mm_or_si128(_mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[1] + j), max1),
-                                                  _mm_cmpgt_epi32(min1, LOAD128(s->max[1] + j))),
-                                     _mm_or_si128(_mm_cmpgt_epi32(LOAD128(s->min[2] + j), max2),
-                                                  _mm_cmpgt_epi32(min2, LOAD128(s->max[2] + j))));
-        uint32_t found = ~(uint32_t)_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(past, apart))) & 15;
+        four_mask past = above(four_at(s->min[0] + j), stop);
+        four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
+        four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
+        uint32_t found = ~bits_of(either(past, either(y, z))) & 15;
         if (end - j < 4) found &= (1u << (end - j)) - 1;
         for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
-        if (_mm_movemask_ps(_mm_castsi128_ps(past))) break;
+        if (bits_of(past)) break;
     }
     return n;
 }
+#endif
 
+#if defined(HAS_AVX2)
 __attribute__((target("avx2"))) static size_t sweep_row_avx2(const struct row_set *s, uint32_t i, uint32_t end,
                                                              uint32_t *out)
 {
@@ -151,23 +173,34 @@ __attribute__((target("avx2"))) static size_t sweep_row_avx2(const struct row_se
 }
 #endif
 
-sweep_row_fn msap_sweep_row_for(uint32_t simd)
+#if defined(HAS_AVX2)
+static int use_avx2(uint32_t simd)
 {
-#if defined(__x86_64__) && defined(__GNUC__)
-    if ((simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2")) return sweep_row_avx2;
-    if (simd != MSAP_SIMD_NONE) return sweep_row_sse2;
-#endif
-    (void)simd;
-    return sweep_row_portable;
+    return (simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2");
 }
+#endif
 
 /* The best sweep that the machine has, not above `simd`. */
 sweep_fn msap_sweep_for(uint32_t simd)
 {
-#if defined(__x86_64__) && defined(__GNUC__)
-    if ((simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_256) && __builtin_cpu_supports("avx2")) return sweep_avx2;
-    if (simd != MSAP_SIMD_NONE) return sweep_sse2;
+#if defined(HAS_AVX2)
+    if (use_avx2(simd)) return sweep_avx2;
+#endif
+#if defined(HAS_FOUR)
+    if (simd != MSAP_SIMD_NONE) return sweep_fours;
 #endif
     (void)simd;
     return sweep_portable;
+}
+
+sweep_row_fn msap_sweep_row_for(uint32_t simd)
+{
+#if defined(HAS_AVX2)
+    if (use_avx2(simd)) return sweep_row_avx2;
+#endif
+#if defined(HAS_FOUR)
+    if (simd != MSAP_SIMD_NONE) return sweep_row_fours;
+#endif
+    (void)simd;
+    return sweep_row_portable;
 }
