@@ -142,11 +142,13 @@ static msap_lcm_status send_snapshot(msap_lcm_publisher *p, const msap_world *wo
 /* Brings the checksum from the last published state (at first the empty set of
  * commit 0) to that of the world by the events; 0 if they do not lead there. */
 static int follow_events(msap_lcm_publisher *p, uint64_t commits, const struct payload *load,
-                         size_t active)
+                         const msap_pair *pairs, size_t active)
 {
     if (commits != p->commits + 1 ||
         (uint64_t)p->state.pairs + load->n_created != active + (uint64_t)load->n_deleted)
         return 0;
+    if (load->n_created + load->n_deleted == 0)
+        return hash_of(pairs, active) == (uint64_t)p->state.checksum;
     p->state.checksum = (int64_t)((uint64_t)p->state.checksum + hash_of(load->created, load->n_created) -
                                   hash_of(load->deleted, load->n_deleted));
     return 1;
@@ -175,7 +177,7 @@ msap_lcm_status msap_lcm_publish(msap_lcm_publisher *p, const msap_world *world,
     msap_created(world, &load.created, &load.n_created);
     msap_pairs(world, &pairs, &active);
 
-    int followed = follow_events(p, commits, &load, active);
+    int followed = follow_events(p, commits, &load, pairs, active);
     if (!followed)
         p->state.checksum = (int64_t)hash_of(pairs, active);
     p->state.pairs = (int64_t)active;

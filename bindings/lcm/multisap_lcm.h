@@ -92,7 +92,7 @@ MSAP_API void msap_lcm_destroy(msap_lcm_publisher *publisher);
  * were left out, or the world is older than the stream, or msap_trim has emptied
  * the arrays of events, a snapshot is sent in their place. Without a new commit
  * nothing is sent. Errors: MSAP_LCM_ERROR_NULL; _SEND, after which the stream goes
- * on and readers miss this commit. Cost: follows the events; a snapshot, the pairs. */
+ * on and readers miss this commit. Cost: follows the events; a snapshot or a commit without events, the pairs. */
 MSAP_API msap_lcm_status msap_lcm_publish(msap_lcm_publisher *publisher, const msap_world *world,
                                           int64_t utime);
 
