@@ -3,10 +3,9 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * A machine that does other things as well makes a program slower, never faster, and
- * mostly for longer than one run takes. So the shortest of several times is the one
- * to believe, and two ways are compared within a round, where they ran one after
- * the other. */
+ * A machine that does other things as well makes a program slower, and mostly for
+ * longer than one run takes. So the ways are run in turn, two of them are compared
+ * within a round, where they ran one after the other, and medians of the rounds count. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
@@ -50,32 +49,27 @@ uint64_t pair_check(uint32_t a, uint32_t b)
 static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned shift)
 {
     size_t place[256] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++)
-        place[from[i] >> shift & 255]++;
+    for (size_t i = 0; i < n; i++) place[from[i] >> shift & 255]++;
     for (size_t d = 0; d < 256; d++) {
         size_t here = place[d];
         place[d] = sum;
         sum += here;
     }
-    for (size_t i = 0; i < n; i++)
-        to[place[from[i] >> shift & 255]++] = from[i];
+    for (size_t i = 0; i < n; i++) to[place[from[i] >> shift & 255]++] = from[i];
 }
 
 void sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
 {
     uint64_t differ = 0, *from = key, *to = scratch;
-    for (size_t i = 1; i < n; i++)
-        differ |= key[i] ^ key[0];
+    for (size_t i = 1; i < n; i++) differ |= key[i] ^ key[0];
     for (unsigned shift = 0; shift < 64; shift += 8) {
-        if (!(differ >> shift & 255))
-            continue;
+        if (!(differ >> shift & 255)) continue;
         radix_pass(from, to, n, shift);
         uint64_t *swap = from;
         from = to;
         to = swap;
     }
-    if (from != key)
-        memcpy(key, from, n * sizeof *key);
+    if (from != key) memcpy(key, from, n * sizeof *key);
 }
 
 void give_up(const char *format, ...)
@@ -92,8 +86,7 @@ void give_up(const char *format, ...)
 void *get(size_t count, size_t size)
 {
     void *memory = calloc(count ? count : 1, size);
-    if (!memory)
-        give_up("no memory");
+    if (!memory) give_up("no memory");
     return memory;
 }
 
@@ -103,39 +96,36 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns the shortest time. */
-static double print_time(const char *claim, const char *scene, const char *name, const double *ms,
-                       const double *first, unsigned rounds)
+/* Sorts the times of the rounds upwards, and returns the median. */
+static double print_time(const char *claim, const char *scene, const char *name, double *ms, const double *first,
+                         unsigned rounds)
 {
-    double ratio[MOST_ROUNDS], best = ms[0];
-    for (unsigned r = 0; r < rounds; r++) {
-        ratio[r] = ms[r] / first[r];
-        best = ms[r] < best ? ms[r] : best;
-    }
+    double ratio[MOST_ROUNDS];
+    for (unsigned r = 0; r < rounds; r++) ratio[r] = ms[r] / first[r];
     qsort(ratio, rounds, sizeof *ratio, by_value);
-    printf("time\t%s\t%s\t%s\t%.6g\t%.4g\t%.4g\t%.4g\n", claim, scene, name, best, ratio[rounds / 2],
+    qsort(ms, rounds, sizeof *ms, by_value);
+    printf("time\t%s\t%s\t%s\t%.6g\t%.4g\t%.4g\t%.4g\n", claim, scene, name, ms[rounds / 2], ratio[rounds / 2],
            ratio[rounds / 4], ratio[rounds - 1 - rounds / 4]);
     fflush(stdout);
-    return best;
+    return ms[rounds / 2];
 }
 
-void compare(const char *claim, const char *scene, const way *ways, size_t n, unsigned rounds, double *best)
+void compare(const char *claim, const char *scene, const way *ways, size_t n, unsigned rounds, double *median)
 {
-    double ms[MOST_WAYS][MOST_ROUNDS] = {{0}};
+    double ms[MOST_WAYS][MOST_ROUNDS] = {{0}}, first[MOST_ROUNDS];
     uint64_t check = 0;
     for (unsigned r = 0; r < rounds; r++)
         for (size_t i = 0; i < n; i++) {
             outcome o = ways[i].run(ways[i].what);
             ms[i][r] = o.ms;
-            if (i == 0)
-                check = o.check;
+            if (i == 0) check = o.check;
             if (o.check != check)
                 give_up("%s, %s: %s finds something else than %s", claim, scene, ways[i].name, ways[0].name);
         }
+    memcpy(first, ms[0], sizeof first);
     for (size_t i = 0; i < n; i++) {
-        double shortest = print_time(claim, scene, ways[i].name, ms[i], ms[0], rounds);
-        if (best)
-            best[i] = shortest;
+        double ms_of = print_time(claim, scene, ways[i].name, ms[i], first, rounds);
+        if (median) median[i] = ms_of;
     }
 }
 

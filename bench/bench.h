@@ -9,8 +9,8 @@
  *     time   CLAIM  SCENE  WAY  MS  RATIO  LOW  HIGH
  *     count  CLAIM  SCENE  WHAT  VALUE
  *
- * MS is the shortest time of all rounds; RATIO is the median over the rounds of the
- * way's time to that of the first way in the same round, LOW and HIGH its quartiles.
+ * MS is the median time of the rounds; RATIO is the median over the rounds of the way's
+ * time to that of the first way in the same round, LOW and HIGH are its quartiles.
  */
 #ifndef BENCH_H
 #define BENCH_H
@@ -58,8 +58,8 @@ typedef struct way {
 enum { MOST_WAYS = 8, MOST_ROUNDS = 15 };
 
 /* Runs the ways in turn, so many times, and prints their times. Gives up if their
- * checks differ. best, if it is not NULL, gets the shortest time of each way. */
-void compare(const char *claim, const char *scene, const way *ways, size_t n, unsigned rounds, double *best);
+ * checks differ. median, if it is not NULL, gets the time of each way. */
+void compare(const char *claim, const char *scene, const way *ways, size_t n, unsigned rounds, double *median);
 
 void print_count(const char *claim, const char *scene, const char *what, double value);
 

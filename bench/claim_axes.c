@@ -13,8 +13,7 @@ RESOLVED outcome replay(const scene *s, how h, paper_sap **sap)
     outcome o;
     *sap = paper_sap_make(h, s->start, s->boxes, s->boxes);
     double start = clock_ms();
-    for (size_t i = 0; i < (size_t)s->frames * s->movers; i++)
-        move_box(*sap, h, s->moves[i].box, &s->moves[i].to);
+    for (size_t i = 0; i < (size_t)s->frames * s->movers; i++) move_box(*sap, h, s->moves[i].box, &s->moves[i].to);
     o.ms = (clock_ms() - start) / s->frames;
     o.check = pair_set_check(&(*sap)->pairs);
     return o;
@@ -29,11 +28,11 @@ RESOLVED outcome replay_once(const scene *s, how h)
 }
 
 /* way_fn NAME, which does it as the initializer of a `how` says. */
-#define WAY(name, ...)                                                                                       \
-    static outcome name(const void *s)                                                                       \
-    {                                                                                                        \
-        const how h = {__VA_ARGS__};                                                                         \
-        return replay_once(s, h);                                                                            \
+#define WAY(name, ...)                 \
+    static outcome name(const void *s) \
+    {                                  \
+        const how h = {__VA_ARGS__};   \
+        return replay_once(s, h);      \
     }
 WAY(arrays, ARRAYS, KEYS, BY_INDEX, 0, 0)
 WAY(arrays_without_ranks, ARRAYS, KEYS, BY_BOX, 0, 0)

@@ -35,8 +35,7 @@ static outcome insert_singly(const void *what)
     uint32_t all = b->scene->boxes, first = all - b->boxes;
     paper_sap *s = paper_sap_make(arrays, b->scene->start, first, all);
     double start = clock_ms();
-    for (uint32_t i = first; i < all; i++)
-        insert_one(s, arrays, &b->scene->start[i]);
+    for (uint32_t i = first; i < all; i++) insert_one(s, arrays, &b->scene->start[i]);
     return done(s, start);
 }
 
@@ -71,8 +70,7 @@ static outcome remove_far(const void *what)
     uint32_t all = b->scene->boxes;
     paper_sap *s = paper_sap_make(arrays, b->scene->start, all, all);
     double start = clock_ms();
-    for (uint32_t i = all; i-- > all - b->boxes;)
-        remove_one(s, arrays, i);
+    for (uint32_t i = all; i-- > all - b->boxes;) remove_one(s, arrays, i);
     return done(s, start);
 }
 
@@ -80,10 +78,8 @@ static void remove_pairs_of(paper_sap *s, uint32_t box)
 {
     for (uint32_t i = 0; i < s->pairs.n;) {
         active_pair p = s->pairs.at[i];
-        if (p.a == box || p.b == box)
-            pair_set_remove(&s->pairs, p.a, p.b);
-        else
-            i++;
+        if (p.a == box || p.b == box) pair_set_remove(&s->pairs, p.a, p.b);
+        else i++;
     }
 }
 
@@ -92,8 +88,7 @@ static void cut_out(paper_sap *s, int k, uint32_t number, uint32_t top)
 {
     for (uint32_t i = s->rank[k][number]; i < top; i++) {
         s->at[k][i] = s->at[k][i + 1];
-        if (i + 1 < top)
-            s->rank[k][number_of(s->at[k][i])] = i;
+        if (i + 1 < top) s->rank[k][number_of(s->at[k][i])] = i;
     }
 }
 

@@ -19,7 +19,7 @@ static outcome replay(const void *what)
 
 static void measure(const scene *s)
 {
-    const setting multi = {s, NULL};
+    const setting multi = {s, NULL, 0};
     const way ways[] = {{"as built", replay, &multi}};
     compare("cells", s->name, ways, 1, 1, NULL);
     print_count("cells", s->name, "cells a box", (double)last.incidences / s->boxes);

@@ -19,21 +19,16 @@ struct list {
     size_t n, room;
 };
 
-static uint64_t pair_key(uint32_t a, uint32_t b)
-{
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
+static uint64_t pair_key(uint32_t a, uint32_t b) { return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a; }
 static uint32_t lower(uint64_t key) { return (uint32_t)(key >> 32); }
 static uint32_t higher(uint64_t key) { return (uint32_t)key; }
 
 static void reserve(struct list *l, size_t room)
 {
-    if (room <= l->room)
-        return;
+    if (room <= l->room) return;
     l->room = 2 * room + 1024;
     l->at = realloc(l->at, l->room * sizeof *l->at);
-    if (!l->at)
-        give_up("no memory");
+    if (!l->at) give_up("no memory");
 }
 
 static void append(struct list *l, const struct list *more)
@@ -88,12 +83,10 @@ static void sweep_in_tasks(const struct film *f, const struct frame *now, struct
         part[i].is_owner = is_owner;
         part[i].found.n = 0;
     }
-    for (unsigned i = 1; i < tasks; i++)
-        ticket[i] = thread_pool_enqueue(f->pool, sweep, &part[i]);
+    for (unsigned i = 1; i < tasks; i++) ticket[i] = thread_pool_enqueue(f->pool, sweep, &part[i]);
     sweep(&part[0]);
     for (unsigned i = 1; i < tasks; i++) {
-        if (ticket[i])
-            thread_pool_finish(f->pool, ticket[i]);
+        if (ticket[i]) thread_pool_finish(f->pool, ticket[i]);
         append(&part[0].found, &part[i].found);
     }
 }
@@ -104,10 +97,8 @@ static uint64_t differences(const struct list *old, const struct list *now)
     uint64_t check = 0;
     for (size_t i = 0, j = 0; i < old->n || j < now->n;) {
         uint64_t a = i < old->n ? old->at[i] : UINT64_MAX, b = j < now->n ? now->at[j] : UINT64_MAX;
-        if (a < b)
-            check += 3 * pair_check(lower(a), higher(a));
-        if (b < a)
-            check += pair_check(lower(b), higher(b));
+        if (a < b) check += 3 * pair_check(lower(a), higher(a));
+        if (b < a) check += pair_check(lower(b), higher(b));
         i += a <= b;
         j += b <= a;
     }
@@ -119,8 +110,7 @@ static void drop_repeats(struct list *l)
 {
     size_t kept = 0;
     for (size_t i = 0; i < l->n; i++)
-        if (kept == 0 || l->at[i] != l->at[kept - 1])
-            l->at[kept++] = l->at[i];
+        if (kept == 0 || l->at[i] != l->at[kept - 1]) l->at[kept++] = l->at[i];
     l->n = kept;
 }
 
@@ -145,8 +135,7 @@ static outcome merge_cells(const struct film *f, unsigned tasks, int is_owner)
     o.ms /= f->frames - 1;
     free(old.at);
     free(spare.at);
-    for (unsigned i = 0; i < MOST_TASKS; i++)
-        free(part[i].found.at);
+    for (unsigned i = 0; i < MOST_TASKS; i++) free(part[i].found.at);
     return o;
 }
 
@@ -177,8 +166,7 @@ static uint64_t add_found(pair_set *pairs, const struct list *found)
     uint64_t check = 0;
     for (size_t i = 0; i < found->n; i++) {
         uint32_t a = lower(found->at[i]), b = higher(found->at[i]);
-        if (pair_set_add(pairs, a, b))
-            check += pair_check(a, b);
+        if (pair_set_add(pairs, a, b)) check += pair_check(a, b);
     }
     return check;
 }
@@ -243,8 +231,8 @@ static void count_leavings(const struct film *f, const char *name)
             uint32_t a = lower(all.found.at[j]), b = higher(all.found.at[j]);
             struct span before = common(old->span[a], old->span[b]), after = common(now->span[a], now->span[b]);
             seen += cells_in(before);
-            leavings += aabb_overlap(&now->box[a], &now->box[b]) &&
-                        cells_in(common(before, after)) < cells_in(before);
+            leavings +=
+                aabb_overlap(&now->box[a], &now->box[b]) && cells_in(common(before, after)) < cells_in(before);
         }
     }
     print_count("owner", name, "pairs", pairs / (f->frames - 1));

@@ -32,8 +32,7 @@ static void add_up(void *terms)
 {
     struct terms *t = terms;
     double total = 0;
-    for (uint32_t i = 0; i < t->n; i++)
-        total += i;
+    for (uint32_t i = 0; i < t->n; i++) total += i;
     t->total = total;
 }
 
@@ -43,15 +42,12 @@ static outcome sum_up(const void *what)
     struct terms terms[MOST_TASKS];
     void *ticket[MOST_TASKS] = {NULL};
     outcome o = {0, 0};
-    for (unsigned i = 0; i < s->tasks; i++)
-        terms[i].n = 20000000 / s->tasks;
+    for (unsigned i = 0; i < s->tasks; i++) terms[i].n = 20000000 / s->tasks;
     double start = wall_ms();
-    for (unsigned i = 1; i < s->tasks; i++)
-        ticket[i] = thread_pool_enqueue(s->pool, add_up, &terms[i]);
+    for (unsigned i = 1; i < s->tasks; i++) ticket[i] = thread_pool_enqueue(s->pool, add_up, &terms[i]);
     add_up(&terms[0]);
     for (unsigned i = 1; i < s->tasks; i++)
-        if (ticket[i])
-            thread_pool_finish(s->pool, ticket[i]);
+        if (ticket[i]) thread_pool_finish(s->pool, ticket[i]);
     o.ms = wall_ms() - start;
     return o;
 }
@@ -78,6 +74,7 @@ static void compare_workers(const recipe *r, thread_pool *pool)
         config[i].jobs_user = pool;
         settings[i].scene = &s;
         settings[i].config = &config[i];
+        settings[i].has_statics = 0;
         ways[i].name = name[i];
         ways[i].run = library_replay;
         ways[i].what = &settings[i];
@@ -100,12 +97,9 @@ void claim_parallel(void)
         {"100,000 boxes, jumping", 100000, 6, 2, 1, 0, JUMPING, 0, 0},
     };
     thread_pool *pool = thread_pool_create(3);
-    if (!pool)
-        give_up("no memory for threads");
+    if (!pool) give_up("no memory for threads");
     compare_threads(pool);
-    for (size_t i = 0; i < sizeof floors / sizeof *floors; i++)
-        compare_pairs_and_queues(&floors[i], pool);
-    for (size_t i = 0; i < sizeof cubes / sizeof *cubes; i++)
-        compare_workers(&cubes[i], pool);
+    for (size_t i = 0; i < sizeof floors / sizeof *floors; i++) compare_pairs_and_queues(&floors[i], pool);
+    for (size_t i = 0; i < sizeof cubes / sizeof *cubes; i++) compare_workers(&cubes[i], pool);
     thread_pool_destroy(pool);
 }

@@ -35,8 +35,7 @@ static struct pairs prune(const aabb *boxes, uint32_t n)
 {
     struct pairs p;
     msap_boxes all = boxes_of(boxes);
-    if (msap_prune(NULL, n, &all, &p.at, &p.n, NULL))
-        give_up("msap_prune failed");
+    if (msap_prune(NULL, n, &all, &p.at, &p.n, NULL)) give_up("msap_prune failed");
     return p;
 }
 
@@ -50,16 +49,14 @@ static outcome prune_each_frame(const void *what)
     double start = clock_ms();
     for (uint32_t frame = 0; frame < s->frames; frame++) {
         const move *m = scene_frame(s, frame);
-        for (uint32_t i = 0; i < s->movers; i++)
-            boxes[m[i].box] = m[i].to;
+        for (uint32_t i = 0; i < s->movers; i++) boxes[m[i].box] = m[i].to;
         struct pairs now = prune(boxes, s->boxes);
         count_changes(&old, &now);
         msap_prune_free(NULL, old.at, old.n);
         old = now;
     }
     o.ms = (clock_ms() - start) / s->frames;
-    for (size_t i = 0; i < old.n; i++)
-        o.check += pair_check(old.at[i].a, old.at[i].b);
+    for (size_t i = 0; i < old.n; i++) o.check += pair_check(old.at[i].a, old.at[i].b);
     msap_prune_free(NULL, old.at, old.n);
     free(boxes);
     return o;
@@ -72,7 +69,7 @@ static void compare_share(const char *kind, motion motion, double speed, double 
     const msap_config slide = config_of(MSAP_GRID_NONE, MSAP_STRATEGY_SLIDE, 0);
     const msap_config best = config_of(MSAP_GRID_NONE, MSAP_STRATEGY_AUTO, 0);
     scene s = scene_make(&r);
-    const setting single = {&s, &slide}, single_best = {&s, &best}, multi = {&s, NULL};
+    const setting single = {&s, &slide, 0}, single_best = {&s, &best, 0}, multi = {&s, NULL, 0};
     const way ways[] = {{"box pruning", prune_each_frame, &s},
                         {"single SAP, sliding", library_replay, &single},
                         {"single SAP, best way", library_replay, &single_best},

@@ -40,8 +40,7 @@ static void record(struct queues *q, uint32_t box, struct span in, struct span o
     for (uint32_t y = in.low[1]; y <= in.high[1]; y++)
         for (uint32_t x = in.low[0]; x <= in.high[0]; x++) {
             int is_both = holds(other, x, y);
-            if (is_both && both == REMOVE)
-                continue;
+            if (is_both && both == REMOVE) continue;
             struct operation o = {y * q->film->count + x, box, is_both ? both : one};
             q->made[q->n++] = o;
         }
@@ -51,12 +50,9 @@ static void sort_by_cell(struct queues *q)
 {
     size_t cells = q->film->cells;
     memset(q->end, 0, (cells + 1) * sizeof *q->end);
-    for (uint32_t i = 0; i < q->n; i++)
-        q->end[q->made[i].cell + 1]++;
-    for (size_t i = 1; i <= cells; i++)
-        q->end[i] += q->end[i - 1];
-    for (uint32_t i = 0; i < q->n; i++)
-        q->sorted[q->end[q->made[i].cell]++] = q->made[i];
+    for (uint32_t i = 0; i < q->n; i++) q->end[q->made[i].cell + 1]++;
+    for (size_t i = 1; i <= cells; i++) q->end[i] += q->end[i - 1];
+    for (uint32_t i = 0; i < q->n; i++) q->sorted[q->end[q->made[i].cell]++] = q->made[i];
 }
 
 /* Records what the boxes of a part do to the cells that they enter, keep and leave: an
@@ -94,8 +90,7 @@ static void fill_frame(const struct film *f, uint32_t frame, struct queues *q, u
     }
     fill_queues(&q[0]);
     for (unsigned i = 0; i < tasks; i++)
-        if (ticket[i])
-            thread_pool_finish(f->pool, ticket[i]);
+        if (ticket[i]) thread_pool_finish(f->pool, ticket[i]);
 }
 
 static outcome fill(const struct film *f, unsigned tasks)
@@ -103,14 +98,12 @@ static outcome fill(const struct film *f, unsigned tasks)
     struct queues q[MOST_TASKS];
     outcome o = {0, 0};
     uint32_t n = f->scene->boxes;
-    for (unsigned i = 0; i < tasks; i++)
-        q[i] = queues_make(f, n * i / tasks, n * (i + 1) / tasks);
+    for (unsigned i = 0; i < tasks; i++) q[i] = queues_make(f, n * i / tasks, n * (i + 1) / tasks);
     for (uint32_t frame = 1; frame < f->frames; frame++) {
         double start = wall_ms();
         fill_frame(f, frame, q, tasks);
         o.ms += frame > 1 ? wall_ms() - start : 0; /* the first one touches new memory */
-        for (unsigned i = 0; i < tasks; i++)
-            o.check += q[i].n;
+        for (unsigned i = 0; i < tasks; i++) o.check += q[i].n;
     }
     o.ms /= f->frames - 2;
     for (unsigned i = 0; i < tasks; i++) {

@@ -26,9 +26,9 @@ struct place {
 /* --------------------------------------------------------------------- grid */
 
 struct level {
-    double width;     /* of a cell */
-    int32_t count;    /* cells in a row, and rows */
-    uint32_t *first;  /* [cells + 1] where each cell begins in `box` */
+    double width;    /* of a cell */
+    int32_t count;   /* cells in a row, and rows */
+    uint32_t *first; /* [cells + 1] where each cell begins in `box` */
     uint32_t *box;
 };
 
@@ -60,10 +60,7 @@ static struct span span_of(const struct level *l, const aabb *b)
     return s;
 }
 
-static int64_t cells_in(struct span s)
-{
-    return (int64_t)(s.high[0] - s.low[0] + 1) * (s.high[1] - s.low[1] + 1);
-}
+static int64_t cells_in(struct span s) { return (int64_t)(s.high[0] - s.low[0] + 1) * (s.high[1] - s.low[1] + 1); }
 
 /* Counts the boxes of each cell in first[cell + 1] (pass 0), or writes them (pass 1),
  * by which first[cell] becomes the end of the cell. */
@@ -72,15 +69,12 @@ static void enter(struct grid *g, int level, int pass)
     struct level *l = &g->level[level];
     for (uint32_t i = 0; i < g->place->n; i++) {
         struct span s = span_of(l, &g->place->fixed[i]);
-        if (g->level_of[i] != level)
-            continue;
+        if (g->level_of[i] != level) continue;
         for (int32_t y = s.low[1]; y <= s.high[1]; y++)
             for (int32_t x = s.low[0]; x <= s.high[0]; x++) {
                 uint32_t *first = &l->first[y * l->count + x];
-                if (pass == 0)
-                    first[1]++;
-                else
-                    l->box[(*first)++] = i;
+                if (pass == 0) first[1]++;
+                else l->box[(*first)++] = i;
             }
     }
 }
@@ -91,8 +85,7 @@ static void fill_level(struct grid *g, int level)
     size_t cells = (size_t)l->count * (size_t)l->count;
     l->first = get(cells + 1, sizeof *l->first);
     enter(g, level, 0);
-    for (size_t i = 1; i <= cells; i++)
-        l->first[i] += l->first[i - 1];
+    for (size_t i = 1; i <= cells; i++) l->first[i] += l->first[i - 1];
     l->box = get(l->first[cells], sizeof *l->box);
     enter(g, level, 1);
     memmove(l->first + 1, l->first, cells * sizeof *l->first);
@@ -112,8 +105,7 @@ static struct grid grid_make(const struct place *p, int levels)
     for (uint32_t i = 0; i < p->n; i++)
         while (g.level_of[i] < levels - 1 && cells_in(span_of(&g.level[g.level_of[i]], &p->fixed[i])) > FEW)
             g.level_of[i]++;
-    for (int i = 0; i < levels; i++)
-        fill_level(&g, i);
+    for (int i = 0; i < levels; i++) fill_level(&g, i);
     return g;
 }
 
@@ -155,12 +147,10 @@ static uint64_t ask_grid(const void *grid, uint32_t self, const aabb *box)
     const struct grid *g = grid;
     uint64_t check = 0;
     for (int i = 0; i < g->levels; i++) {
-        if (entries_on(&g->level[i]) == 0)
-            continue;
+        if (entries_on(&g->level[i]) == 0) continue;
         struct span s = span_of(&g->level[i], box);
         for (int32_t y = s.low[1]; y <= s.high[1]; y++)
-            for (int32_t x = s.low[0]; x <= s.high[0]; x++)
-                check += ask_cell(g, &g->level[i], x, y, self, box);
+            for (int32_t x = s.low[0]; x <= s.high[0]; x++) check += ask_cell(g, &g->level[i], x, y, self, box);
     }
     return check;
 }
@@ -210,16 +200,14 @@ static void sort_by_centre(struct tree *t, uint32_t first, uint32_t n, const aab
 {
     struct centre *centre = get(n, sizeof *centre);
     int axis = 0;
-    for (int k = 1; k < 3; k++)
-        axis = all->max[k] - all->min[k] > all->max[axis] - all->min[axis] ? k : axis;
+    for (int k = 1; k < 3; k++) axis = all->max[k] - all->min[k] > all->max[axis] - all->min[axis] ? k : axis;
     for (uint32_t i = 0; i < n; i++) {
         const aabb *b = &t->place->fixed[t->box[first + i]];
         centre[i].at = b->min[axis] / 2 + b->max[axis] / 2;
         centre[i].box = t->box[first + i];
     }
     qsort(centre, n, sizeof *centre, by_centre);
-    for (uint32_t i = 0; i < n; i++)
-        t->box[first + i] = centre[i].box;
+    for (uint32_t i = 0; i < n; i++) t->box[first + i] = centre[i].box;
     free(centre);
 }
 
@@ -240,8 +228,7 @@ static uint32_t build(struct tree *t, uint32_t first, uint32_t n)
 static struct tree tree_make(const struct place *p)
 {
     struct tree t = {p, get(p->n, sizeof *t.box), get(2 * (size_t)p->n, sizeof *t.node), 0};
-    for (uint32_t i = 0; i < p->n; i++)
-        t.box[i] = i;
+    for (uint32_t i = 0; i < p->n; i++) t.box[i] = i;
     build(&t, 0, p->n);
     return t;
 }
@@ -256,8 +243,7 @@ static uint64_t ask_leaf(const struct tree *t, const struct node *leaf, uint32_t
 {
     uint64_t check = 0;
     for (uint32_t i = leaf->first; i < leaf->first + leaf->n; i++)
-        if (aabb_overlap(box, &t->place->fixed[t->box[i]]))
-            check += pair_check(self, UINT32_MAX - t->box[i]);
+        if (aabb_overlap(box, &t->place->fixed[t->box[i]])) check += pair_check(self, UINT32_MAX - t->box[i]);
     return check;
 }
 
@@ -270,8 +256,7 @@ static uint64_t ask_tree(const void *tree, uint32_t self, const aabb *box)
     while (waiting > 0) {
         uint32_t at = wait[--waiting];
         const struct node *n = &t->node[at];
-        if (!aabb_overlap(box, &n->around))
-            continue;
+        if (!aabb_overlap(box, &n->around)) continue;
         if (n->second == 0) {
             check += ask_leaf(t, n, self, box);
             continue;
@@ -349,8 +334,7 @@ static void count_entries(const struct place *p, const char *name, int levels, c
 {
     struct grid g = grid_make(p, levels);
     double entries = 0;
-    for (int i = 0; i < levels; i++)
-        entries += entries_on(&g.level[i]);
+    for (int i = 0; i < levels; i++) entries += entries_on(&g.level[i]);
     print_count("statics", name, what, entries / p->n);
     grid_free(&g);
 }

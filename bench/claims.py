@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: MIT
 """The claims of the paper, measured: runs bench/claims, and writes docs/claims.md.
 
-    claims.py measure PROGRAM > RESULTS     runs the program; $CC builds variants of the library
+    claims.py measure PROGRAM SOURCE... > RESULTS
     claims.py write RESULTS > docs/claims.md
+
+The first runs the program, and builds it anew from its sources ($CC, $CFLAGS) with variants
+of the library.
 
 RESULTS are lines of fields separated by tabs; bench.h has those of the program, and
 here is added: machine WHAT VALUE. What cannot be found or built is left out.
@@ -59,10 +62,25 @@ def caches():
             yield "L%s %s" % (level, "%d KiB" % kilobytes if kilobytes < 1024 else "%d MiB" % (kilobytes // 1024))
 
 
+def cpuinfo(field):
+    """What Linux says of the first core, or nothing."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return ""
+    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith(field)), "")
+
+
 def machine():
+    """What matters for speed, in words."""
     compiler = output_of(*CC, "-dumpfullversion") or output_of(*CC, "-dumpversion")
     name = "clang" if "clang" in output_of(*CC, "--version") else "gcc"
-    yield "processor", "%s, %d cores" % (platform.machine(), os.cpu_count())
+    flags = cpuinfo("flags").split()
+    vectors = next((text for flag, text in (("avx512f", "AVX-512"), ("avx2", "AVX2"), ("sse2", "SSE2"))
+                    if flag in flags), "")
+    words = [cpuinfo("model name") or platform.machine(), "%d cores" % os.cpu_count(), vectors,
+             "virtual machine" if "hypervisor" in flags else ""]
+    yield "processor", ", ".join(word for word in words if word)
     yield "caches", ", ".join(caches())
     yield "compiler", "%s %s, %s" % (name, compiler, " ".join(CFLAGS))
     yield "system", platform.system()
@@ -77,24 +95,23 @@ def patched(text, constants):
     return text
 
 
-def build_variant(folder, constants):
-    """bench/claims with a library of other constants, or None."""
+def build_variant(folder, sources, constants):
+    """The program with a library of other constants, or None."""
     header = patched((ROOT / "src/internal.h").read_text(), constants)
     if header is None:
         return None
     folder.mkdir()
     for path in (ROOT / "src").glob("*.[ch]"):
         (folder / path.name).write_text(header if path.name == "internal.h" else path.read_text())
-    bench = [path for path in (ROOT / "bench").glob("*.c") if path.name != "strategies.c"]
-    command = [*CC, "-std=c99", *CFLAGS, "-I%s" % (ROOT / "include"), *folder.glob("*.c"), *bench,
-               ROOT / "examples/thread_pool.c", "-o", folder / "claims", "-pthread", "-lm"]
+    command = [*CC, "-std=c99", *CFLAGS, "-I%s" % (ROOT / "include"), *folder.glob("*.c"), *sources,
+               "-o", folder / "claims", "-pthread", "-lm"]
     return folder / "claims" if subprocess.run(command, stderr=subprocess.DEVNULL).returncode == 0 else None
 
 
-def measure_cells():
+def measure_cells(sources):
     """Builds the variants, runs them in turn, and gives lines as `compare` of bench.c does."""
     with tempfile.TemporaryDirectory() as folder:
-        programs = [(name, build_variant(Path(folder) / str(i), constants))
+        programs = [(name, build_variant(Path(folder) / str(i), sources, constants))
                     for i, (name, constants) in enumerate(VARIANTS)]
         programs = [(name, program) for name, program in programs if program]
         ms, counts = {}, []
@@ -108,17 +125,18 @@ def measure_cells():
         for (scene, name), times in ms.items():
             first = ms[scene, programs[0][0]]
             ratios = sorted(a / b for a, b in zip(times, first))
-            yield ["time", "cells", scene, name, min(times), statistics.median(ratios), ratios[0], ratios[-1]]
+            yield ["time", "cells", scene, name, statistics.median(times), statistics.median(ratios), ratios[0],
+                   ratios[-1]]
         yield from counts
 
 
-def measure(program):
+def measure(program, sources):
     for what, value in machine():
         print("machine", what, value, sep="\t")
     for claim in ("axes", "batches", "pruning", "scaling", "statics", "parallel"):
         for fields in lines_of([program, claim]):
             print(*fields, sep="\t", flush=True)
-    for fields in measure_cells():
+    for fields in measure_cells(sources):
         print(*fields, sep="\t", flush=True)
 
 
@@ -177,16 +195,21 @@ def ways_of(by_scene):
     return ways
 
 
+def between(low, high):
+    low, high = number(low), number(high)
+    return low if low == high else "%s–%s" % (low, high)
+
+
 def time_table(results, claim, what="milliseconds"):
-    """Scenes down, ways across; behind each time the ratio to the first way's."""
+    """Scenes down, ways across; behind each time its ratio to the first way's, and the spread of that."""
     by_scene = results.time.get(claim, {})
     ways = ways_of(by_scene)
 
     def cell(row, way):
         if way not in row:
             return "–"
-        ms, ratio = row[way][:2]
-        return number(ms) if way == ways[0] else "%s (%s)" % (number(ms), number(ratio))
+        ms, ratio, low, high = row[way]
+        return number(ms) if way == ways[0] else "%s (%s; %s)" % (number(ms), number(ratio), between(low, high))
     return table([what] + ways, [[label(scene)] + [cell(row, way) for way in ways] for scene, row in by_scene.items()])
 
 
@@ -212,10 +235,10 @@ def verdict(ratios):
     return "makes no difference" if min(ratios) > 0.9 and max(ratios) < 1.1 else "depends on the scene"
 
 
-def exponent(results, claim, way):
-    """The slope of log time over log boxes, by least squares."""
+def exponent(results, claim, way, others=()):
+    """The slope of log time over log boxes, by least squares; where the others were measured too."""
     points = [(math.log(float(scene)), math.log(ways[way][0]))
-              for scene, ways in results.time.get(claim, {}).items() if way in ways]
+              for scene, ways in results.time.get(claim, {}).items() if {way, *others} <= ways.keys()]
     if len(points) < 2:
         return None
     x, y = (statistics.mean(values) for values in zip(*points))
@@ -249,12 +272,15 @@ SIMPLE = [
     ("integers", "floats", "A", "Integer comparisons are faster than float comparisons",
      "The end points of the paper, 8 bytes with a value and an owner, compared by the value as an encoded integer or "
      "as a float; and as the library does it, value, kind and owner in one 64-bit key, which settles ties as well."),
-    ("sentinels", "tests for the ends", "B", "Sentinels save the test for the ends of the arrays", ""),
+    ("sentinels", "tests for the ends", "B", "Sentinels save the test for the ends of the arrays",
+     "A dummy end point at each end of an array stops every slide, or the slide tests where it is. The library's "
+     "sentinels are keys that no bound has, infinite ones included, so the paper's warning about FLT_MAX is void."),
     ("index-test", "values of the end points", "I.3", "Overlap is tested faster by indices than by values",
      "A pair that crosses on one axis is tested on the two others: by the ranks of its end points; by bounds that are "
      "kept with the boxes; by the values of the end points, found through the ranks."),
     ("removal-test", "looked up untested", "I.3", "The overlap test before a removal pays",
-     "Without the test every pair that seems to end is looked up in the pair manager."),
+     "A pair that crosses on one axis may end; the overlap test on the other axes tells whether it was one. Without "
+     "the test every pair that seems to end is looked up in the pair manager."),
 ]
 
 
@@ -286,9 +312,10 @@ def write_batches(results):
 def write_pruning(results):
     yield from ("## Box pruning against a SAP as more boxes move (I.4c)", "")
     yield from paragraph(
-        "10,000 boxes. Box pruning starts anew in each frame, and compares its pairs with those of the frame "
-        "before. \"Best way\" is the single SAP as the library runs it, which turns to batches and to pruning "
-        "by itself.")
+        "Box pruning takes about the same time whatever moves: less than a SAP when all boxes move, says the paper, "
+        "and too much otherwise. 10,000 boxes. Box pruning starts anew in each frame, and compares its pairs with "
+        "those of the frame before. \"Best way\" is the single SAP as the library runs it, which turns to batches "
+        "and to pruning by itself.")
     yield from time_table(results, "pruning", "milliseconds a frame")
     ways = ("single SAP, sliding", "single SAP, best way", "Multi-SAP")
     yield from table(["box pruning is faster than"] + list(ways), [
@@ -306,9 +333,15 @@ SCALING = [
 def write_scaling(results):
     yield from ("## A Multi-SAP scales better than a single SAP (II.1, II.2)", "")
     yield from paragraph(
+        "In a single SAP a box meets on each axis others that are far away on the rest, so that each update costs "
+        "more the more boxes there are; a grid of SAPs keeps each of them small. "
         "The library with a single SAP (`MSAP_GRID_NONE`) and with a grid (`MSAP_GRID_AUTO`); each box overlaps "
-        "two others, whatever the number of boxes. A way is left out where a frame would take more than some "
-        "seconds. The exponent e of the cost, which grows as N^e, is the slope over all sizes.")
+        "two others, whatever the number of boxes. \"Sliding\" is the paper's update of I.3 for every box; the other "
+        "single SAP chooses among the ways of I.3, I.4b and I.4c. A way that has become hopeless is not measured at "
+        "the next size: one that its last frame foretells to take more than 1 second (10 seconds for a load), a dash "
+        "in the table. The exponent e of the cost, which grows as N^e, is the slope over the sizes that were "
+        "measured. A box takes some hundred bytes (see Memory), so that the sizes outgrow one cache after the other, "
+        "which is a part of the slope.")
     for claim, title in SCALING:
         ways = ways_of(results.time.get(claim, {}))
         exponents = [exponent(results, claim, way) for way in ways]
@@ -320,7 +353,9 @@ def write_scaling(results):
 def write_memory(results):
     yield from ("## Memory", "")
     yield from paragraph(
-        "Boxes that all move; the most that was ever held from the allocator.")
+        "By the library's own count of what it holds from its allocator (`msap_stats`): the most that it ever held, "
+        "with room to grow, and what it holds after `msap_trim`. A candidate pair is one "
+        "whose skins overlap.")
     yield from count_table(results, "memory")
 
 
@@ -329,7 +364,7 @@ def write_cells(results):
     yield from paragraph(
         "The library, built with other limits of the cells that a box may touch on its level: 8 as it is. A box "
         "over the limit goes to a coarser level, whose cells are four times as wide; or, last column, into one "
-        "list for all of them.")
+        "list for all of them. The paper would forbid such boxes; here they cost what they touch.")
     yield from time_table(results, "cells", "milliseconds a frame")
     ways = ways_of(results.time["cells"])
     yield from table(["cells a box is in"] + ways, [
@@ -340,9 +375,11 @@ def write_cells(results):
 def write_statics(results):
     yield from ("## Static boxes in all cells, or in a structure of their own (II.2c)", "")
     yield from paragraph(
+        "The paper puts static boxes into all cells that they touch, with good results, and names a tree as "
+        "another way. "
         "10,000 boxes that move ask in each frame for the static ones that they overlap; of 10,000 static "
         "ones, some cover the whole map or reach across it. In cells of one size; in cells of several sizes, "
-        "each box in those that suit it; in a tree of bounding boxes.")
+        "each box in those that suit it, as the library does; in a tree of bounding boxes.")
     yield from time_table(results, "statics", "milliseconds a frame")
     yield from time_table(results, "statics-build", "milliseconds to build")
     yield from count_table(results, "statics")
@@ -410,10 +447,12 @@ def summary_of_pruning(results):
 
 def summary_of_scaling(results):
     for claim, title in SCALING:
-        multi, single = (exponent(results, claim, way) for way in ("Multi-SAP", "single SAP"))
+        ways = "Multi-SAP", "single SAP"
+        multi, single = (exponent(results, claim, way, ways) for way in ways)
         if multi is not None and single is not None:
             yield ("A Multi-SAP scales better: " + title[0].lower() + title[1:], "II.1",
-                   "exponents %.2f and %.2f" % (multi, single), "holds" if multi < single - 0.1 else "no longer holds")
+                   "exponents %.2f and %.2f of the single one, over the sizes that both have" % (multi, single),
+                   "holds" if multi < single - 0.1 else "no longer holds")
 
 
 def summary_of_cells(results):
@@ -434,7 +473,8 @@ def summary_of_threads(results):
         owned = [o / m for o, m in zip(owned, merged)]
         yield ("An owner for each pair instead of the merge is not worth it", "II.3d", "times " + span(owned),
                "holds" if statistics.geometric_mean(owned) > 0.95 else "no longer holds")
-    idle = min(results.ratios("threads", "2 threads"), default=1) < 0.75
+    highs = [ways["2 threads"][3] for ways in results.time.get("threads", {}).values()]
+    idle = max(highs, default=1) < 0.75
     for claim, way, title in (("queues", "2 threads", "The queues may be filled on one thread"),
                               ("parallel", "2 workers", "Several threads bring the cells up to date sooner")):
         ratios = results.ratios(claim, way)
@@ -454,9 +494,9 @@ HEAD = """<!-- SPDX-FileCopyrightText: 2026 the multisap authors -->
 What Terdiman's "Sweep-and-prune" (version 0.2, 2007) claims, on a machine of today. `make claims` measures all of it
 anew, in some minutes, and writes this file; the code is in `bench/`, also of what is slower and not in the library.
 
-A time is the shortest of several runs; the number behind it is its ratio to the first column, the median over rounds
-in which all ways of a row ran one after another. All ways of a row find the same pairs. Times are of the processor,
-those of several threads by the clock."""
+All ways of a row run one after another, in several rounds, and find the same pairs. A time is the median of the
+rounds; in parentheses stands the median of its ratio to the first column in the same round, and the quartiles of that
+ratio. Times are of the processor, those of several threads by the clock."""
 
 
 def write(path):
@@ -474,8 +514,8 @@ def write(path):
 
 
 def main(arguments):
-    if len(arguments) == 2 and arguments[0] == "measure":
-        measure(arguments[1])
+    if len(arguments) > 2 and arguments[0] == "measure":
+        measure(arguments[1], arguments[2:])
     elif len(arguments) == 2 and arguments[0] == "write":
         print("\n".join(write(arguments[1])).rstrip("\n"))
     else:

@@ -33,8 +33,7 @@ static void for_each_entry(const struct film *f, struct frame *frame,
     for (uint32_t i = 0; i < f->scene->boxes; i++) {
         struct span s = frame->span[i];
         for (uint32_t y = s.low[1]; y <= s.high[1]; y++)
-            for (uint32_t x = s.low[0]; x <= s.high[0]; x++)
-                visit(frame, (size_t)y * f->count + x, i);
+            for (uint32_t x = s.low[0]; x <= s.high[0]; x++) visit(frame, (size_t)y * f->count + x, i);
     }
 }
 
@@ -49,12 +48,10 @@ static void write_entry(struct frame *frame, size_t cell, uint32_t box) { frame-
 static void rasterise(const struct film *f, struct frame *now)
 {
     now->span = get(f->scene->boxes, sizeof *now->span);
-    for (uint32_t i = 0; i < f->scene->boxes; i++)
-        now->span[i] = span_of(f, &now->box[i]);
+    for (uint32_t i = 0; i < f->scene->boxes; i++) now->span[i] = span_of(f, &now->box[i]);
     now->first = get(f->cells + 1, sizeof *now->first);
     for_each_entry(f, now, count_entry);
-    for (size_t i = 1; i <= f->cells; i++)
-        now->first[i] += now->first[i - 1];
+    for (size_t i = 1; i <= f->cells; i++) now->first[i] += now->first[i - 1];
     now->in = get(now->first[f->cells], sizeof *now->in);
     for_each_entry(f, now, write_entry);
     memmove(now->first + 1, now->first, f->cells * sizeof *now->first);
@@ -87,4 +84,3 @@ void film_free(struct film *f)
     }
     free(f->frame);
 }
-

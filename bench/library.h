@@ -12,12 +12,14 @@
 typedef struct setting {
     const scene *scene;
     const msap_config *config;
+    int has_statics; /* 1: boxes that do not move are static */
 } setting;
 
 typedef struct world_run {
     double first_ms, ms;    /* of the first commit, with all boxes; of a frame in the later half */
     uint64_t check;         /* of the pairs in the end */
     msap_world_stats stats; /* in the end */
+    uint64_t bytes_trimmed; /* what is held after msap_trim */
 } world_run;
 
 world_run library_run(const setting *s);

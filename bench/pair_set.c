@@ -55,8 +55,7 @@ static void grow(pair_set *s)
 
 static void order(uint32_t *a, uint32_t *b)
 {
-    if (*a < *b)
-        return;
+    if (*a < *b) return;
     uint32_t higher = *a;
     *a = *b;
     *b = higher;
@@ -66,18 +65,15 @@ static void order(uint32_t *a, uint32_t *b)
 static uint32_t *link_to(const pair_set *s, uint32_t a, uint32_t b)
 {
     uint32_t *link = chain_of(s, a, b);
-    while (*link != PAIR_NONE && (s->at[*link].a != a || s->at[*link].b != b))
-        link = &s->at[*link].next;
+    while (*link != PAIR_NONE && (s->at[*link].a != a || s->at[*link].b != b)) link = &s->at[*link].next;
     return link;
 }
 
 int pair_set_add(pair_set *s, uint32_t a, uint32_t b)
 {
     order(&a, &b);
-    if (*link_to(s, a, b) != PAIR_NONE)
-        return 0;
-    if (s->n == s->room)
-        grow(s);
+    if (*link_to(s, a, b) != PAIR_NONE) return 0;
+    if (s->n == s->room) grow(s);
     uint32_t *head = chain_of(s, a, b);
     active_pair pair = {a, b, *head};
     *head = s->n;
@@ -90,8 +86,7 @@ int pair_set_remove(pair_set *s, uint32_t a, uint32_t b)
 {
     order(&a, &b);
     uint32_t *link = link_to(s, a, b), place = *link;
-    if (place == PAIR_NONE)
-        return 0;
+    if (place == PAIR_NONE) return 0;
     *link = s->at[place].next;
     active_pair last = s->at[--s->n];
     if (place != s->n) {
@@ -104,7 +99,6 @@ int pair_set_remove(pair_set *s, uint32_t a, uint32_t b)
 uint64_t pair_set_check(const pair_set *s)
 {
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < s->n; i++)
-        sum += pair_check(s->at[i].a, s->at[i].b);
+    for (uint32_t i = 0; i < s->n; i++) sum += pair_check(s->at[i].a, s->at[i].b);
     return sum;
 }

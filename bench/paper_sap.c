@@ -39,8 +39,7 @@ static end_point sentinel(how h, int top)
 {
     end_point p;
     p.key = top ? UINT64_MAX : 0;
-    if (h.compare == FLOATS)
-        p.real.value = top ? INFINITY : -INFINITY;
+    if (h.compare == FLOATS) p.real.value = top ? INFINITY : -INFINITY;
     return p;
 }
 
@@ -77,10 +76,8 @@ static void find_pairs(paper_sap *s, const aabb *boxes, uint32_t n)
     msap_boxes all = boxes_of(boxes);
     msap_index_pair *pairs;
     size_t count;
-    if (msap_prune(NULL, n, &all, &pairs, &count, NULL))
-        give_up("msap_prune failed");
-    for (size_t i = 0; i < count; i++)
-        pair_set_add(&s->pairs, pairs[i].a, pairs[i].b);
+    if (msap_prune(NULL, n, &all, &pairs, &count, NULL)) give_up("msap_prune failed");
+    for (size_t i = 0; i < count; i++) pair_set_add(&s->pairs, pairs[i].a, pairs[i].b);
     msap_prune_free(NULL, pairs, count);
 }
 
@@ -95,10 +92,8 @@ paper_sap *paper_sap_make(how h, const aabb *boxes, uint32_t n, uint32_t room)
     for (int k = 0; k < 3; k++) {
         sorted_end_points(sorted, boxes, 0, n, k);
         convert(h, sorted, 2 * (size_t)n, boxes, k);
-        if (h.storage == LISTS)
-            make_list(s, h, sorted, k);
-        else
-            make_array(s, h, sorted, k);
+        if (h.storage == LISTS) make_list(s, h, sorted, k);
+        else make_array(s, h, sorted, k);
     }
     free(sorted);
     pair_set_begin(&s->pairs);
@@ -127,11 +122,9 @@ static void merge_on(paper_sap *s, int k, const end_point *incoming, uint32_t n)
     while (to > 0) {
         end_point next = n > 0 && incoming[n - 1].key > s->at[k][old].key ? incoming[--n] : s->at[k][old--];
         s->at[k][to] = next;
-        if (next.key != UINT64_MAX)
-            s->rank[k][number_of(next)] = to;
+        if (next.key != UINT64_MAX) s->rank[k][number_of(next)] = to;
         to--;
-        if (n == 0)
-            return;
+        if (n == 0) return;
     }
 }
 
@@ -140,15 +133,12 @@ static void find_new_pairs(paper_sap *s, uint32_t n)
     msap_boxes old = boxes_of(s->bounds), fresh = boxes_of(s->bounds + s->boxes);
     msap_index_pair *pairs;
     size_t count;
-    if (msap_prune(NULL, n, &fresh, &pairs, &count, NULL))
-        give_up("msap_prune failed");
-    for (size_t i = 0; i < count; i++)
-        pair_set_add(&s->pairs, s->boxes + pairs[i].a, s->boxes + pairs[i].b);
+    if (msap_prune(NULL, n, &fresh, &pairs, &count, NULL)) give_up("msap_prune failed");
+    for (size_t i = 0; i < count; i++) pair_set_add(&s->pairs, s->boxes + pairs[i].a, s->boxes + pairs[i].b);
     msap_prune_free(NULL, pairs, count);
     if (msap_prune_bipartite(NULL, s->boxes, &old, n, &fresh, &pairs, &count, NULL))
         give_up("msap_prune_bipartite failed");
-    for (size_t i = 0; i < count; i++)
-        pair_set_add(&s->pairs, pairs[i].a, s->boxes + pairs[i].b);
+    for (size_t i = 0; i < count; i++) pair_set_add(&s->pairs, pairs[i].a, s->boxes + pairs[i].b);
     msap_prune_free(NULL, pairs, count);
 }
 
@@ -171,8 +161,7 @@ void paper_sap_remove_batch(paper_sap *s, const unsigned char *is_doomed, uint32
         uint32_t kept = 1, end = 2 * s->boxes + 1;
         for (uint32_t i = 1; i < end; i++) {
             end_point p = s->at[k][i];
-            if (is_doomed[box_of(p)])
-                continue;
+            if (is_doomed[box_of(p)]) continue;
             s->rank[k][number_of(p)] = kept;
             s->at[k][kept++] = p;
         }
@@ -180,10 +169,8 @@ void paper_sap_remove_batch(paper_sap *s, const unsigned char *is_doomed, uint32
     }
     for (uint32_t i = 0; i < s->pairs.n;) {
         active_pair p = s->pairs.at[i];
-        if (is_doomed[p.a] || is_doomed[p.b])
-            pair_set_remove(&s->pairs, p.a, p.b);
-        else
-            i++;
+        if (is_doomed[p.a] || is_doomed[p.b]) pair_set_remove(&s->pairs, p.a, p.b);
+        else i++;
     }
     s->boxes -= n;
 }

@@ -22,14 +22,14 @@
 #define RESOLVED static inline
 #endif
 
-enum { ARRAYS, LISTS };                   /* how.storage */
-enum { KEYS, INTEGERS, FLOATS };          /* how.compare: all 64 bits, the value as an integer, as a float */
-enum { BY_INDEX, BY_END_POINT, BY_BOX };  /* how.test: ranks, values of the end points, bounds kept with the box */
+enum { ARRAYS, LISTS };                  /* how.storage */
+enum { KEYS, INTEGERS, FLOATS };         /* how.compare: all 64 bits, the value as an integer, as a float */
+enum { BY_INDEX, BY_END_POINT, BY_BOX }; /* how.test: ranks, values of the end points, bounds kept with the box */
 
 typedef struct how {
     int storage, compare, test;
-    int no_sentinels;      /* 1: the ends of the arrays are looked for */
-    int removes_untested;  /* 1: a pair is looked for in the set whenever it seems to end */
+    int no_sentinels;     /* 1: the ends of the arrays are looked for */
+    int removes_untested; /* 1: a pair is looked for in the set whenever it seems to end */
 } how;
 
 /* 8 bytes; on little-endian machines the value is the upper half of the key. */
@@ -58,11 +58,11 @@ struct node {
 };
 
 typedef struct paper_sap {
-    uint32_t boxes, room;    /* that are stored: 0 ... boxes - 1 */
-    end_point *at[3];        /* arrays: [1 + 2 * room + 1] sorted, between two sentinels */
-    uint32_t *rank[3];       /* arrays: where the end points are in them */
-    struct node *node[3];    /* lists: of each end point, and two sentinels */
-    aabb *bounds;            /* of the boxes, brought up to date axis by axis */
+    uint32_t boxes, room; /* that are stored: 0 ... boxes - 1 */
+    end_point *at[3];     /* arrays: [1 + 2 * room + 1] sorted, between two sentinels */
+    uint32_t *rank[3];    /* arrays: where the end points are in them */
+    struct node *node[3]; /* lists: of each end point, and two sentinels */
+    aabb *bounds;         /* of the boxes, brought up to date axis by axis */
     pair_set pairs;
     uint64_t crossings, seeming, removed; /* pairs that seemed to end; pairs that did */
 } paper_sap;
@@ -90,17 +90,14 @@ RESOLVED end_point end_point_make(how h, float value, uint32_t owner)
 {
     end_point p;
     p.integer.owner = owner;
-    if (h.compare == FLOATS)
-        p.real.value = value;
-    else
-        p.integer.code = encoded(value);
+    if (h.compare == FLOATS) p.real.value = value;
+    else p.integer.code = encoded(value);
     return p;
 }
 
 RESOLVED int is_above(how h, end_point a, end_point b)
 {
-    if (h.compare == FLOATS)
-        return a.real.value > b.real.value;
+    if (h.compare == FLOATS) return a.real.value > b.real.value;
     return h.compare == INTEGERS ? a.integer.code > b.integer.code : a.key > b.key;
 }
 
@@ -133,8 +130,7 @@ RESOLVED void cross(paper_sap *s, how h, int k, end_point mover, end_point other
     uint32_t a = box_of(mover), b = box_of(other);
     s->crossings++;
     if (is_max(mover) == up) {
-        if (overlap_beside(s, h, k, a, b))
-            pair_set_add(&s->pairs, a, b);
+        if (overlap_beside(s, h, k, a, b)) pair_set_add(&s->pairs, a, b);
         return;
     }
     s->seeming++;
@@ -149,16 +145,13 @@ RESOLVED void slide_in_array(paper_sap *s, how h, int k, end_point mover, int up
     uint32_t *rank = s->rank[k], i = rank[number_of(mover)];
     for (;;) {
         uint32_t next = up ? i + 1 : i - 1;
-        if (h.no_sentinels && (up ? next > 2 * s->boxes : next == 0))
-            break;
+        if (h.no_sentinels && (up ? next > 2 * s->boxes : next == 0)) break;
         end_point other = at[next];
-        if (!(up ? is_above(h, mover, other) : is_above(h, other, mover)))
-            break;
+        if (!(up ? is_above(h, mover, other) : is_above(h, other, mover))) break;
         at[i] = other;
         rank[number_of(other)] = i;
         i = next;
-        if (!silent && is_max(mover) != is_max(other))
-            cross(s, h, k, mover, other, up);
+        if (!silent && is_max(mover) != is_max(other)) cross(s, h, k, mover, other, up);
     }
     at[i] = mover;
     rank[number_of(mover)] = i;
@@ -177,26 +170,20 @@ RESOLVED void slide_in_list(paper_sap *s, how h, int k, end_point mover, int up,
     struct node *n = &s->node[k][number_of(mover)], *other = up ? n->next : n->previous;
     n->end = mover;
     while (up ? is_above(h, mover, other->end) : is_above(h, other->end, mover)) {
-        if (!silent && is_max(mover) != is_max(other->end))
-            cross(s, h, k, mover, other->end, up);
+        if (!silent && is_max(mover) != is_max(other->end)) cross(s, h, k, mover, other->end, up);
         other = up ? other->next : other->previous;
     }
-    if (other == (up ? n->next : n->previous))
-        return;
+    if (other == (up ? n->next : n->previous)) return;
     n->previous->next = n->next;
     n->next->previous = n->previous;
-    if (up)
-        link_between(n, other->previous, other);
-    else
-        link_between(n, other, other->next);
+    if (up) link_between(n, other->previous, other);
+    else link_between(n, other, other->next);
 }
 
 RESOLVED void slide(paper_sap *s, how h, int k, end_point mover, int up, int silent)
 {
-    if (h.storage == LISTS)
-        slide_in_list(s, h, k, mover, up, silent);
-    else
-        slide_in_array(s, h, k, mover, up, silent);
+    if (h.storage == LISTS) slide_in_list(s, h, k, mover, up, silent);
+    else slide_in_array(s, h, k, mover, up, silent);
 }
 
 RESOLVED void slide_to(paper_sap *s, how h, int k, end_point to, int silent)
@@ -217,8 +204,7 @@ RESOLVED void move_on(paper_sap *s, how h, int k, uint32_t box, const aabb *to, 
 
 RESOLVED void move_box(paper_sap *s, how h, uint32_t box, const aabb *to)
 {
-    for (int k = 0; k < 3; k++)
-        move_on(s, h, k, box, to, 0);
+    for (int k = 0; k < 3; k++) move_on(s, h, k, box, to, 0);
 }
 
 /* ------------------------------------------------- coming and going (I.4, I.5) */
@@ -240,11 +226,9 @@ RESOLVED void append_on(paper_sap *s, how h, int k, uint32_t box)
 RESOLVED void insert_one(paper_sap *s, how h, const aabb *to)
 {
     uint32_t box = s->boxes;
-    for (int k = 0; k < 3; k++)
-        append_on(s, h, k, box);
+    for (int k = 0; k < 3; k++) append_on(s, h, k, box);
     s->boxes++;
-    for (int k = 0; k < 3; k++)
-        move_on(s, h, k, box, to, k < 2);
+    for (int k = 0; k < 3; k++) move_on(s, h, k, box, to, k < 2);
 }
 
 /* The simple approach (I.5a): the box moves far away, which ends its pairs, and its end
@@ -253,11 +237,9 @@ RESOLVED void insert_one(paper_sap *s, how h, const aabb *to)
 RESOLVED void remove_one(paper_sap *s, how h, uint32_t box)
 {
     const aabb far = {{3e38f, 3e38f, 3e38f}, {3e38f, 3e38f, 3e38f}};
-    for (int k = 0; k < 3; k++)
-        move_on(s, h, k, box, &far, k > 0);
+    for (int k = 0; k < 3; k++) move_on(s, h, k, box, &far, k > 0);
     s->boxes--;
-    for (int k = 0; k < 3; k++)
-        s->at[k][2 * s->boxes + 1] = s->at[k][2 * s->boxes + 3];
+    for (int k = 0; k < 3; k++) s->at[k][2 * s->boxes + 1] = s->at[k][2 * s->boxes + 3];
 }
 
 #endif

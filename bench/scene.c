@@ -32,8 +32,7 @@ static double side_for(const recipe *r)
 
 static void place(struct maker *m, uint32_t i)
 {
-    for (int k = 0; k < 3; k++)
-        m->centre[i][k] = between(m, 0, k == 2 ? m->height : m->side);
+    for (int k = 0; k < 3; k++) m->centre[i][k] = between(m, 0, k == 2 ? m->height : m->side);
 }
 
 static void direct(struct maker *m, uint32_t i)
@@ -43,8 +42,7 @@ static void direct(struct maker *m, uint32_t i)
         m->velocity[i][k] = between(m, -1, 1) * (k == 2 && m->recipe->is_flat ? 0.1 : 1);
         length += m->velocity[i][k] * m->velocity[i][k];
     }
-    for (int k = 0; k < 3; k++)
-        m->velocity[i][k] *= speed / sqrt(length + 1e-9);
+    for (int k = 0; k < 3; k++) m->velocity[i][k] *= speed / sqrt(length + 1e-9);
 }
 
 static void size(struct maker *m, uint32_t i)
@@ -54,8 +52,7 @@ static void size(struct maker *m, uint32_t i)
         double u = random_unit(&m->random);
         scale = pow(m->recipe->largest, pow(u, 8));
     }
-    for (int k = 0; k < 3; k++)
-        m->half[i][k] = scale * between(m, 0.35, 0.65);
+    for (int k = 0; k < 3; k++) m->half[i][k] = scale * between(m, 0.35, 0.65);
 }
 
 static void step(struct maker *m, uint32_t i)
@@ -64,13 +61,11 @@ static void step(struct maker *m, uint32_t i)
         place(m, i);
         return;
     }
-    if (m->recipe->motion == BROWNIAN)
-        direct(m, i);
+    if (m->recipe->motion == BROWNIAN) direct(m, i);
     for (int k = 0; k < 3; k++) {
         double wall = k == 2 ? m->height : m->side, *at = &m->centre[i][k];
         *at += m->velocity[i][k];
-        if (*at < 0 || *at > wall)
-            m->velocity[i][k] = -m->velocity[i][k];
+        if (*at < 0 || *at > wall) m->velocity[i][k] = -m->velocity[i][k];
     }
 }
 
@@ -113,8 +108,7 @@ scene scene_make(const recipe *r)
     scene s = {r->name, r->boxes, r->frames, movers, m.side, NULL, NULL};
     s.start = get(r->boxes, sizeof *s.start);
     s.moves = get((size_t)s.frames * movers, sizeof *s.moves);
-    for (uint32_t i = 0; i < r->boxes; i++)
-        s.start[i] = box_of(&m, i);
+    for (uint32_t i = 0; i < r->boxes; i++) s.start[i] = box_of(&m, i);
     move *next = s.moves;
     for (uint32_t frame = 0; frame < s.frames; frame++)
         for (uint32_t i = 0; i < movers; i++, next++) {
@@ -136,8 +130,7 @@ aabb *scene_end(const scene *s)
 {
     aabb *boxes = get(s->boxes, sizeof *boxes);
     memcpy(boxes, s->start, s->boxes * sizeof *boxes);
-    for (size_t i = 0; i < (size_t)s->frames * s->movers; i++)
-        boxes[s->moves[i].box] = s->moves[i].to;
+    for (size_t i = 0; i < (size_t)s->frames * s->movers; i++) boxes[s->moves[i].box] = s->moves[i].to;
     return boxes;
 }
 

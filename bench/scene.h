@@ -35,8 +35,8 @@ typedef struct recipe {
     double moving; /* the share of boxes that move, the same ones in each frame */
     double speed;  /* of a box in a frame; the box being about 1 wide */
     motion motion;
-    int is_flat;     /* 1: on a floor: the boxes overlap on the up axis, z */
-    double largest;  /* sizes go up to so many times the least one, small ones being more; 0: all about 1 */
+    int is_flat;    /* 1: on a floor: the boxes overlap on the up axis, z */
+    double largest; /* sizes go up to so many times the least one, small ones being more; 0: all about 1 */
 } recipe;
 
 typedef struct move {

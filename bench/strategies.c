@@ -1,10 +1,10 @@
-/* Measures what the ways to bring a single SAP up to date cost, and suggests the
- * weights by which src/sap.c chooses among them.
+/* Measures what the ways to bring a world up to date cost, and suggests the weights by
+ * which src/sap.c (for a single SAP) and src/track.c (for a Multi-SAP) choose among them.
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * The cost of a commit is taken to be
+ * The cost of a commit of a single SAP is taken to be
  *
  *     slide   P p + C q        P places that end points slide, all together
  *     merge   E m + C c + C S t    E end points in the axes, C boxes that changed
@@ -15,7 +15,10 @@
  * factors follow from scenes of all kinds, by least squares of the relative errors.
  * What counts is not how well this foretells a time but which way is taken; so at the
  * end stands how much longer the commits take for the ways that the weights choose
- * than for the best ways. */
+ * than for the best ways.
+ *
+ * A Multi-SAP puts boxes elsewhere one by one, or prunes all: its constant is what the
+ * one costs for a box that is moved, in what the other costs for a box that is there. */
 #include "library.h"
 
 #include <math.h>
@@ -47,10 +50,8 @@ static size_t rank_of(const uint64_t *key, size_t n, uint64_t wanted)
     size_t low = 0, high = n;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (key[middle] < wanted)
-            low = middle + 1;
-        else
-            high = middle;
+        if (key[middle] < wanted) low = middle + 1;
+        else high = middle;
     }
     return low;
 }
@@ -114,9 +115,8 @@ static struct measured measure(const recipe *r)
     for (int round = 0; round < ROUNDS; round++)
         for (uint32_t way = 0; way < WAYS; way++) {
             const msap_config config = config_of(MSAP_GRID_NONE, (msap_strategy)way, 0);
-            const setting world = {&s, &config};
-            if (way != MSAP_STRATEGY_SLIDE || m.places < 2e8)
-                m.ms[way] = fmin(m.ms[way], library_run(&world).ms);
+            const setting world = {&s, &config, 0};
+            if (way != MSAP_STRATEGY_SLIDE || m.places < 2e8) m.ms[way] = fmin(m.ms[way], library_run(&world).ms);
         }
     scene_free(&s);
     return m;
@@ -140,11 +140,9 @@ static struct cost solve(double a[TERMS][TERMS + 1], int n)
     for (int i = 0; i < n; i++)
         for (int row = 0; row < n; row++) {
             double factor = row == i ? 0 : a[row][i] / a[i][i];
-            for (int k = 0; k <= TERMS; k++)
-                a[row][k] -= factor * a[i][k];
+            for (int k = 0; k <= TERMS; k++) a[row][k] -= factor * a[i][k];
         }
-    for (int i = 0; i < n; i++)
-        x.of[i] = a[i][TERMS] / a[i][i];
+    for (int i = 0; i < n; i++) x.of[i] = a[i][TERMS] / a[i][i];
     return x;
 }
 
@@ -154,11 +152,9 @@ static struct cost fit(const struct measured *m, size_t n, int way)
     double a[TERMS][TERMS + 1] = {{0}};
     for (size_t i = 0; i < n; i++) {
         struct cost t = terms_of(&m[i], way);
-        if (!isfinite(m[i].ms[way]))
-            continue;
+        if (!isfinite(m[i].ms[way])) continue;
         for (int row = 0; row < TERMS; row++) {
-            for (int k = 0; k < TERMS; k++)
-                a[row][k] += t.of[row] * t.of[k] / (m[i].ms[way] * m[i].ms[way]);
+            for (int k = 0; k < TERMS; k++) a[row][k] += t.of[row] * t.of[k] / (m[i].ms[way] * m[i].ms[way]);
             a[row][TERMS] += t.of[row] / m[i].ms[way];
         }
     }
@@ -169,8 +165,7 @@ static double foretold(const struct measured *m, const struct cost *cost, int wa
 {
     struct cost t = terms_of(m, way);
     double ms = 0;
-    for (int i = 0; i < TERMS; i++)
-        ms += t.of[i] * cost[way].of[i];
+    for (int i = 0; i < TERMS; i++) ms += t.of[i] * cost[way].of[i];
     return ms;
 }
 
@@ -178,8 +173,7 @@ static int chosen(const struct measured *m, const struct cost *cost)
 {
     int best = MSAP_STRATEGY_SLIDE;
     for (int way = MSAP_STRATEGY_MERGE; way < WAYS; way++)
-        if (foretold(m, cost, way) < foretold(m, cost, best))
-            best = way;
+        if (foretold(m, cost, way) < foretold(m, cost, best)) best = way;
     return best;
 }
 
@@ -213,8 +207,7 @@ static void print_regret(const char *what, const struct measured *m, size_t n, c
 static void print_weights(const struct measured *m, size_t n)
 {
     struct cost cost[WAYS] = {{{0}}};
-    for (int way = MSAP_STRATEGY_SLIDE; way < WAYS; way++)
-        cost[way] = fit(m, n, way);
+    for (int way = MSAP_STRATEGY_SLIDE; way < WAYS; way++) cost[way] = fit(m, n, way);
     const double *slide = cost[MSAP_STRATEGY_SLIDE].of, *merge = cost[MSAP_STRATEGY_MERGE].of;
     const double *sweep = cost[MSAP_STRATEGY_SWEEP].of, p = slide[0];
     printf("\na place takes %.2f ns; in places:\n", 1e6 * p);
@@ -226,7 +219,47 @@ static void print_weights(const struct measured *m, size_t n)
     print_regret("with these weights", m, n, cost);
 }
 
-int main(void)
+/* ----------------------------------------------------------- the Multi-SAP */
+
+/* Milliseconds of a commit in which a share of the boxes jumps. */
+static double jump_ms(uint32_t boxes, double share, msap_strategy strategy)
+{
+    const recipe r = {"", boxes, 4, 2, share, 0, JUMPING, 0, 0};
+    const msap_config config = config_of(MSAP_GRID_AUTO, strategy, MSAP_MARGIN_AUTO);
+    scene s = scene_make(&r);
+    const setting world = {&s, &config, 0};
+    double ms = INFINITY;
+    for (int round = 0; round < ROUNDS; round++) ms = fmin(ms, library_run(&world).ms);
+    scene_free(&s);
+    return ms;
+}
+
+static void measure_moves(void)
+{
+    static const uint32_t sizes[] = {1000, 10000, 100000};
+    static const double shares[] = {0.02, 0.05, 0.1, 0.2};
+    double sum = 0;
+    int n = 0;
+    printf("\nin a Multi-SAP:\n");
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        double pruned = jump_ms(sizes[i], 1, MSAP_STRATEGY_AUTO) / sizes[i];
+        printf("%7u boxes: pruning all takes %.0f ns a box; putting elsewhere\n", (unsigned)sizes[i],
+               1e6 * pruned);
+        for (size_t k = 0; k < sizeof shares / sizeof *shares; k++, n++) {
+            double boxes = shares[k] * sizes[i];
+            double moved =
+                jump_ms(sizes[i], shares[k], boxes > 2048 ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE) / boxes;
+            printf("%22.0f %% of them %.0f ns: COST_OF_A_MOVE %.1f\n", 100 * shares[k], 1e6 * moved,
+                   moved / pruned);
+            sum += log(moved / pruned);
+        }
+    }
+    printf("on average %.1f\n", exp(sum / n));
+}
+
+/* --------------------------------------------------------------- everything */
+
+static void measure_single(void)
 {
     static const recipe kinds[] = {{"slow", 0, 2, 2, 0, 0.05, STRAIGHT, 0, 0},
                                    {"fast", 0, 2, 2, 0, 1, BROWNIAN, 0, 0},
@@ -248,5 +281,11 @@ int main(void)
                 print_case(&r, &m[n++]);
             }
     print_weights(m, n);
+}
+
+int main(void)
+{
+    measure_single();
+    measure_moves();
     return 0;
 }

@@ -34,9 +34,12 @@ typedef struct scene {
     const char *name;
     uint32_t dims, ids, n_frames; /* ids are below `ids`; in 2D all z are 0 */
     frame *frames;
-    float world_min[3], world_max[3]; /* of all finite boxes, for those that must be told */
-    float size;                       /* half of the boxes that are not static are not wider */
-    double distance;                  /* of the scene from the origin, on all axes */
+    float size;      /* half of the boxes that are not static are not wider */
+    double distance; /* of the scene from the origin, on all axes */
+
+    /* Of all boxes up to 1000 times that wide, for those that must be told where the
+     * world ends. */
+    float world_min[3], world_max[3];
 } scene;
 
 /* A pair of ids. */

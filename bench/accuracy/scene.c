@@ -103,7 +103,7 @@ static scene read_trace(const char *name)
     s.n_frames = take_u32(&r);
     s.ids = take_u32(&r);
     s.dims = take_u32(&r);
-    for (int k = 0; k < 6; k++) *(k < 3 ? &s.world_min[k] : &s.world_max[k - 3]) = take_float(&r);
+    for (int k = 0; k < 6; k++) take_float(&r); /* the world's bounds, giants and all */
     s.frames = get(s.n_frames, sizeof *s.frames);
     for (uint32_t f = 0; f < s.n_frames; f++) s.frames[f] = take_frame(&r);
     fclose(r.file);
@@ -212,10 +212,6 @@ static scene generate(const struct recipe *r, double distance)
             *at++ = box_of(&g, i * r->one_in, r->tremble, distance);
         }
     }
-    for (int k = 0; k < 3; k++) {
-        s.world_min[k] = outward(distance - 2, 0);
-        s.world_max[k] = outward(distance + g.side + 2, 1);
-    }
     s.distance = distance;
     free(g.bodies);
     return s;
@@ -240,6 +236,18 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* The widest side; infinite if a bound is infinite or nearly so. */
+static float widest(const change *c)
+{
+    float side = 0;
+    for (int k = 0; k < 3; k++) {
+        if (!(c->min[k] > -1e30f && c->max[k] < 1e30f))
+            return INFINITY;
+        side = fmaxf(side, c->max[k] - c->min[k]);
+    }
+    return side;
+}
+
 /* The median over the first frame that has boxes of the widest side of those that are
  * finite and not static. */
 static float size_of(const scene *s)
@@ -249,8 +257,7 @@ static float size_of(const scene *s)
         float *sizes = get(now->n_added, sizeof *sizes), size = 0;
         size_t n = 0;
         for (const change *c = now->added; c < now->added + now->n_added; c++) {
-            sizes[n] = 0;
-            for (int k = 0; k < 3; k++) sizes[n] = fmaxf(sizes[n], c->max[k] - c->min[k]);
+            sizes[n] = widest(c);
             n += !c->is_static && sizes[n] < 1e30f;
         }
         qsort(sizes, n, sizeof *sizes, by_value);
@@ -263,6 +270,27 @@ static float size_of(const scene *s)
     return 1;
 }
 
+static void grow_world(scene *s, const change *changes, size_t n)
+{
+    for (const change *c = changes; c < changes + n; c++)
+        for (int k = 0; k < 3 && widest(c) <= 1000 * s->size; k++) {
+            s->world_min[k] = fminf(s->world_min[k], c->min[k]);
+            s->world_max[k] = fmaxf(s->world_max[k], c->max[k]);
+        }
+}
+
+static void set_world(scene *s)
+{
+    for (int k = 0; k < 3; k++) {
+        s->world_min[k] = INFINITY;
+        s->world_max[k] = -INFINITY;
+    }
+    for (const frame *f = s->frames; f < s->frames + s->n_frames; f++) {
+        grow_world(s, f->added, f->n_added);
+        grow_world(s, f->moved, f->n_moved);
+    }
+}
+
 scene scene_of(const char *name)
 {
     size_t length = strlen(name);
@@ -270,5 +298,6 @@ scene scene_of(const char *name)
     scene s = is_trace ? read_trace(name) : generate_by_name(name);
     s.name = name;
     s.size = size_of(&s);
+    set_world(&s);
     return s;
 }
