@@ -25,7 +25,8 @@ static void check_encoding(float x, float y)
         fuzz_check("an encoded float is another after decoding");
     if (is_nan(x)) {
         int beyond = bits_of(x) >> 31 ? a < msap_encode_float(-INFINITY) : a > msap_encode_float(INFINITY);
-        fuzz_check(beyond && bits_of(msap_decode_float(a)) == bits_of(x) ? NULL : "a NaN is encoded among the numbers");
+        if (!beyond || bits_of(msap_decode_float(a)) != bits_of(x))
+            fuzz_check("a NaN is encoded among the numbers");
         return;
     }
     if (msap_decode_float(a) != x || (x == 0 && bits_of(msap_decode_float(a)) != 0))
@@ -161,7 +162,7 @@ static void refused_for(const range *r, msap_status status, const given *g, uint
 }
 
 /* As floats or doubles, with strides that leave gaps. */
-static msap_boxes lay_out(const given *g, size_t k, uint32_t scalar, unsigned char *memory)
+static msap_boxes spaced_out(const given *g, size_t k, uint32_t scalar, unsigned char *memory)
 {
     size_t size = scalar == MSAP_FLOAT ? sizeof(float) : sizeof(double), row = 7 * size + 1, i, c;
     msap_boxes boxes = {sizeof boxes, 0, NULL, NULL, 0, 0, 0, 0};
@@ -174,7 +175,8 @@ static msap_boxes lay_out(const given *g, size_t k, uint32_t scalar, unsigned ch
         for (c = 0; c < 6; c++) {
             double value = c < 3 ? g[i].min[c] : g[i].max[c - 3];
             float narrow = (float)value;
-            memcpy(memory + i * row + (c < 3 ? c : c + 1) * size, scalar == MSAP_FLOAT ? (void *)&narrow : &value, size);
+            memcpy(memory + i * row + (c < 3 ? c : c + 1) * size, scalar == MSAP_FLOAT ? (void *)&narrow : &value,
+                   size);
         }
     return boxes;
 }
@@ -199,7 +201,7 @@ static void give_boxes(range *r, input *in)
             bad = i;
         }
     }
-    boxes = lay_out(g, k, scalar, memory);
+    boxes = spaced_out(g, k, scalar, memory);
     status = is_update ? msap_update_many(r->world, k, r->handle + at, &boxes)
                        : msap_add_many(r->world, k, &boxes, NULL, NULL, r->handle + at);
     if (status != expected)

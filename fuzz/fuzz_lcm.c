@@ -21,7 +21,8 @@ static int is_sound(const msap_pair_events_t *m)
 {
     int is_events = m->kind == MSAP_PAIR_EVENTS_T_EVENTS, is_snapshot = m->kind == MSAP_PAIR_EVENTS_T_SNAPSHOT;
     return (is_events || (is_snapshot && m->base == 0 && m->n_deleted == 0)) && m->base >= 0 && m->base < m->seq &&
-           m->part >= 0 && m->part < m->parts && m->n_deleted >= 0 && m->n_created >= 0 && m->n_created <= m->pairs;
+           m->part >= 0 && m->part < m->parts && m->n_deleted >= 0 && m->n_created >= 0 &&
+           m->n_created <= m->pairs;
 }
 
 static void decode(const uint8_t *bytes, size_t size)
@@ -47,6 +48,8 @@ static void receive(const uint8_t *bytes, size_t size)
         decode(bytes, size);
     else if (status != MSAP_LCM_ERROR_FINGERPRINT && status != MSAP_LCM_ERROR_MESSAGE)
         fuzz_check("the check came to a status that is not its own");
+    if (!*msap_lcm_status_text(status) || !*msap_lcm_status_text((msap_lcm_status)size))
+        fuzz_check("a status has no text");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

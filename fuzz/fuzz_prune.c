@@ -63,8 +63,8 @@ static void take_question(input *in, question *q)
         int first = (int)(take(in, 1) & 1);
         take_spoiled(in, first ? q->a : q->b, first ? q->n_a : q->n_b);
     }
-    q->boxes_a = boxes_in_row(q->a);
-    q->boxes_b = boxes_in_row(q->b);
+    q->boxes_a = lay_out(q->a, q->n_a, how >> 6);
+    q->boxes_b = lay_out(q->b, q->n_b, how >> 7);
 }
 
 /* What is wrong with the boxes, and where. */
@@ -89,6 +89,30 @@ static msap_status verdict(const question *q, const box *boxes, size_t n, size_t
     return MSAP_OK;
 }
 
+/* Arguments that are refused whatever the boxes are; nothing is given then. */
+static void check_refusals(const question *q)
+{
+    msap_prune_config config;
+    msap_boxes boxes = q->boxes_a;
+    msap_index_pair *pairs = NULL;
+    size_t count = 77;
+    if (msap_prune_config_init(&config, 1) != MSAP_ERROR_STRUCT_SIZE ||
+        msap_prune_config_init(&config, sizeof config) != MSAP_OK)
+        fuzz_check("msap_prune_config_init came to another status");
+    config.dims = 4 - q->config.dims / 3 * 3;
+    if (msap_prune(&config, q->n_a, &boxes, &pairs, &count, NULL) != MSAP_ERROR_CONFIG)
+        fuzz_check("another number of axes was not refused");
+    boxes.struct_size++;
+    if (msap_prune_bipartite(NULL, q->n_a, &boxes, q->n_b, &q->boxes_b, &pairs, &count, NULL) !=
+        MSAP_ERROR_STRUCT_SIZE)
+        fuzz_check("a struct of another size was not refused");
+    boxes = q->boxes_a;
+    boxes.max = NULL;
+    if (q->n_a > 0 && msap_prune(NULL, q->n_a, &boxes, &pairs, &count, NULL) != MSAP_ERROR_NULL)
+        fuzz_check("boxes without maxes were not refused");
+    if (pairs || count != 77)
+        fuzz_check("a call that was refused gave something");
+}
 
 static void compare_pairs(const question *q, const msap_index_pair *pairs, size_t count)
 {
@@ -114,11 +138,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t count = 77;
     msap_status status, wanted;
     take_question(&in, &q);
+    check_refusals(&q);
     wanted = q.config.axis >= (int32_t)q.config.dims ? MSAP_ERROR_CONFIG : verdict(&q, q.a, q.n_a, 0, &expected);
     if (wanted == MSAP_OK && q.bipartite)
         wanted = verdict(&q, q.b, q.n_b, q.n_a, &expected);
-    status = q.bipartite ? msap_prune_bipartite(&q.config, q.n_a, &q.boxes_a, q.n_b, &q.boxes_b, &pairs, &count, &error)
-                         : msap_prune(&q.config, q.n_a, &q.boxes_a, &pairs, &count, &error);
+    if (q.bipartite)
+        status = msap_prune_bipartite(&q.config, q.n_a, &q.boxes_a, q.n_b, &q.boxes_b, &pairs, &count, &error);
+    else
+        status = msap_prune(&q.config, q.n_a, &q.boxes_a, &pairs, &count, &error);
     if (status == MSAP_OK) {
         compare_pairs(&q, pairs, count);
         msap_prune_free(&q.config, pairs, count);

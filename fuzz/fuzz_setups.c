@@ -17,7 +17,7 @@
 #include <xmmintrin.h>
 #endif
 
-enum { WORLDS = 3, MOST = 700, PATIENCE = 40000 };
+enum { WORLDS = 3, MOST = 1200, PATIENCE = 16000 };
 
 typedef struct rival {
     msap_world *world;
@@ -62,24 +62,6 @@ static void is_valid(const rival *r)
     const char *what = NULL;
     if (msap_validate(r->world, &what) != MSAP_OK)
         fuzz_check(what ? what : "a world is broken");
-}
-
-static msap_status carry_out(msap_world *world, call *c, msap_handle *handles)
-{
-    switch (c->kind) {
-    case CALL_ADD:
-        return c->k > 0 ? msap_add(world, c->bounds->min, c->bounds->max, c->flags[0], NULL, handles) : MSAP_OK;
-    case CALL_ADD_MANY: return msap_add_many(world, c->k, &c->boxes, c->flags, NULL, handles);
-    case CALL_UPDATE:
-        return c->k > 0 ? msap_update(world, c->handles[0], c->bounds->min, c->bounds->max) : MSAP_OK;
-    case CALL_UPDATE_MANY: return msap_update_many(world, c->k, c->handles, &c->boxes);
-    case CALL_REMOVE: return c->k > 0 ? msap_remove(world, c->handles[0]) : MSAP_OK;
-    case CALL_REMOVE_MANY: return msap_remove_many(world, c->k, c->handles);
-    case CALL_SHIFT: return msap_shift_origin(world, c->offset);
-    case CALL_TRIM: return msap_trim(world);
-    case CALL_COMMIT: return msap_commit(world, NULL, NULL);
-    default: return MSAP_OK;
-    }
 }
 
 /* Makes the call, again if it was made to fail; the world is valid in between. */
@@ -155,6 +137,18 @@ static void compare_bounds(contest *t)
 
 /* -------------------------------------------------------------------- whole */
 
+/* So many commits without a change that worlds trim themselves. */
+static void rest(contest *t)
+{
+    enum { LONG = 260 };
+    int i, n;
+    t->call.kind = CALL_COMMIT;
+    for (i = 0; i < WORLDS; i++)
+        for (n = 0; n < LONG; n++)
+            call_rival(t, i, NULL);
+    compare_commits(t);
+}
+
 static void plan_trouble(contest *t)
 {
     tracker *m = &t->rivals[2].memory;
@@ -163,6 +157,7 @@ static void plan_trouble(contest *t)
     case 0: m->fail_at = m->calls + 1 + n % 64; break;
     case 1: m->fail_from = m->calls + 1 + n % 64; break;
     case 2: m->limit = m->bytes + 1 + 16 * n; break;
+    case 3: rest(t); break;
     default: t->environment = n; break;
     }
 }
@@ -189,12 +184,27 @@ static void next_call(contest *t)
         plan_trouble(t);
 }
 
+/* Whether there are too many pairs for a fast commit, by a sample. */
+static int is_crowded(const contest *t)
+{
+    enum { SAMPLES = 256, FEW = 128, MOST_PAIRS = 6000 };
+    const herd *h = &t->herd;
+    size_t i, hits = 0, n = h->count;
+    if (n <= FEW)
+        return 0;
+    for (i = 0; i < SAMPLES; i++)
+        hits += (size_t)boxes_overlap(&h->live[i * 7 % n].bounds, &h->live[(i * 13 + n / 2) % n].bounds, t->dims);
+    return hits * n * n > (size_t)2 * SAMPLES * MOST_PAIRS;
+}
+
 static void begin(contest *t, input *in)
 {
     int i;
-    memset(t, 0, sizeof *t);
-    t->herd.most = MOST;
     t->dims = take(in, 1) & 1 ? 2 : 3;
+    t->environment = 0;
+    t->work = 0;
+    herd_begin(&t->herd, t->dims, MOST);
+    memset(t->rivals, 0, sizeof t->rivals);
     for (i = 0; i < WORLDS; i++) {
         msap_config config = take_config(in, t->dims);
         config.alloc = tracked_alloc;
@@ -218,10 +228,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static contest t;
     input in = {data, data + size};
     begin(&t, &in);
-    while (t.work < PATIENCE && take_call(&in, &t.herd, &t.call))
+    while (t.work < PATIENCE && !is_crowded(&t) && take_call(&in, &t.herd, &t.call))
         next_call(&t);
     t.call.kind = CALL_COMMIT;
-    next_call(&t);
+    if (!is_crowded(&t))
+        next_call(&t);
     end(&t);
     return 0;
 }

@@ -49,7 +49,8 @@ float take_hard(input *in)
         0x3F800000, 0x3F800001, 0x4B7FFFFF, 0x4E800000, 0x7149F2CA, 0x7E800000, 0x7F7FFFFE, 0x7F7FFFFF,
         0x7F800000, 0x7F800001, 0x7FBFFFFF, 0x7FC00000, 0x7FFFFFFF, 0x40000000, 0x40400000, 0x41200000,
     };
-    uint32_t byte = (uint32_t)take(in, 1), bits = magnitudes[(byte >> 1) % (sizeof magnitudes / sizeof *magnitudes)];
+    uint32_t byte = (uint32_t)take(in, 1);
+    uint32_t bits = magnitudes[(byte >> 1) % (sizeof magnitudes / sizeof *magnitudes)];
     float value;
     bits |= (byte & 1) << 31;
     memcpy(&value, &bits, sizeof value);

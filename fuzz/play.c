@@ -18,7 +18,7 @@ typedef struct player {
     call call;
     uint64_t hash;
     size_t tested;
-    int failing;
+    int failing, meddling;
 } player;
 
 static void hash_word(player *p, uint64_t word)
@@ -73,7 +73,7 @@ static void add(player *p)
     give_data(p);
     do
         if (c->k > 0)
-            status = msap_add(p->s.world, c->bounds->min, c->bounds->max, c->flags[0], c->data[0], c->handles);
+            status = msap_add(p->s.world, c->min, c->max, c->flags[0], c->data[0], c->handles);
     while (again(p, status));
     succeeded(status, "msap_add failed");
     follow_additions(p);
@@ -98,7 +98,7 @@ static void update(player *p)
     if (c->kind == CALL_UPDATE_MANY)
         succeeded(msap_update_many(p->s.world, c->k, c->handles, &c->boxes), "msap_update_many failed");
     else if (c->k > 0)
-        succeeded(msap_update(p->s.world, c->handles[0], c->bounds->min, c->bounds->max), "msap_update failed");
+        succeeded(msap_update(p->s.world, c->handles[0], c->min, c->max), "msap_update failed");
     for (i = 0; i < c->k; i++)
         reference_update(&p->s.reference, c->handles[i], &c->bounds[i]);
 }
@@ -137,12 +137,40 @@ static void *tag_pair(void *context, msap_handle a, msap_handle b, void *data_a,
     return pair_tag(a, b, p->s.reference.commits + 1);
 }
 
+/* The first few callbacks of a commit make a call. */
+static void meddle(player *p, msap_handle a, msap_handle b)
+{
+    if (p->meddling == 0)
+        return;
+    p->meddling--;
+    call_inside(&p->s, a, b, p->call.argument + p->meddling);
+}
+
+static void *meddle_and_tag(void *context, msap_handle a, msap_handle b, void *data_a, void *data_b)
+{
+    meddle(context, a, b);
+    return tag_pair(context, a, b, data_a, data_b);
+}
+
+static void only_meddle(void *context, msap_handle a, msap_handle b, void *data_a, void *data_b, void *pair_data)
+{
+    (void)data_a;
+    (void)data_b;
+    (void)pair_data;
+    meddle(context, a, b);
+}
+
 /* Without a look at the callbacks' order: the events are read as arrays. */
 static void commit_for_arrays(player *p)
 {
     msap_callbacks callbacks = {sizeof callbacks, 0, NULL, tag_pair, NULL};
     msap_status status;
     callbacks.context = p;
+    p->meddling = p->call.argument & 4 ? 2 : 0;
+    if (p->meddling) {
+        callbacks.on_create = meddle_and_tag;
+        callbacks.on_delete = only_meddle;
+    }
     do
         status = msap_commit(p->s.world, &callbacks, NULL);
     while (again(p, status));
@@ -164,7 +192,8 @@ static void commit_without_callbacks(player *p)
     succeeded(msap_created(p->s.world, &created, &count), "msap_created failed");
     for (i = 0; i < count; i++) {
         void *tag = pair_tag(created[i].a, created[i].b, p->s.reference.commits);
-        succeeded(msap_set_pair_data(p->s.world, 1, &created[i].b, &created[i].a, &tag), "msap_set_pair_data failed");
+        succeeded(msap_set_pair_data(p->s.world, 1, &created[i].b, &created[i].a, &tag),
+                  "msap_set_pair_data failed");
     }
 }
 
@@ -200,26 +229,45 @@ static void commit(player *p)
 
 /* ---------------------------------------------------------------- user data */
 
+/* Of some boxes in a row. */
 static void exchange_box_data(player *p)
 {
-    const struct member *m = &p->herd.live[p->call.argument % p->herd.count];
-    void *data = (void *)p->s.next_tag++, *back = NULL;
-    succeeded(msap_set_user_data(p->s.world, 1, &m->handle, &data), "msap_set_user_data failed");
-    succeeded(msap_get_user_data(p->s.world, 1, &m->handle, &back), "msap_get_user_data failed");
-    reference_slot(&p->s.reference, m->handle)->data = data;
-    if (data != back)
+    call *c = &p->call;
+    size_t first = c->argument % p->herd.count, i;
+    void *back[MOST];
+    c->k = 1 + (c->argument >> 8) % (p->herd.count - first);
+    give_data(p);
+    for (i = 0; i < c->k; i++)
+        c->handles[i] = p->herd.live[first + i].handle;
+    succeeded(msap_set_user_data(p->s.world, c->k, c->handles, c->data), "msap_set_user_data failed");
+    succeeded(msap_get_user_data(p->s.world, c->k, c->handles, back), "msap_get_user_data failed");
+    for (i = 0; i < c->k; i++)
+        reference_slot(&p->s.reference, c->handles[i])->data = c->data[i];
+    if (memcmp(c->data, back, c->k * sizeof *back) != 0)
         fuzz_check("a box has other user data than it was given");
 }
 
+/* Of some pairs in a row, named backwards. */
 static void exchange_pair_data(player *p)
 {
-    msap_pair *pair = &p->s.reference.pairs[p->call.argument % p->s.reference.pair_count];
-    void *data = NULL;
-    succeeded(msap_get_pair_data(p->s.world, 1, &pair->b, &pair->a, &data), "msap_get_pair_data failed");
-    if (data != pair->user_data)
-        fuzz_check("a pair has other user data than it was given");
-    pair->user_data = (void *)p->s.next_tag++;
-    succeeded(msap_set_pair_data(p->s.world, 1, &pair->a, &pair->b, &pair->user_data), "msap_set_pair_data failed");
+    call *c = &p->call;
+    size_t count = p->s.reference.pair_count, first = c->argument % count, i;
+    msap_pair *pairs = &p->s.reference.pairs[first];
+    msap_handle others[MOST];
+    void *back[MOST];
+    c->k = 1 + (c->argument >> 8) % (count - first < MOST ? count - first : MOST);
+    for (i = 0; i < c->k; i++) {
+        c->handles[i] = pairs[i].b;
+        others[i] = pairs[i].a;
+    }
+    succeeded(msap_get_pair_data(p->s.world, c->k, c->handles, others, back), "msap_get_pair_data failed");
+    give_data(p);
+    for (i = 0; i < c->k; i++) {
+        if (back[i] != pairs[i].user_data)
+            fuzz_check("a pair has other user data than it was given");
+        pairs[i].user_data = c->data[i];
+    }
+    succeeded(msap_set_pair_data(p->s.world, c->k, others, c->handles, c->data), "msap_set_pair_data failed");
 }
 
 static void exchange_data(player *p)
@@ -247,7 +295,7 @@ static void plan_failure(player *p)
 
 /* -------------------------------------------------------------------- whole */
 
-static void carry_out(player *p)
+static void next_call(player *p)
 {
     switch (p->call.kind) {
     case CALL_ADD: add(p); break;
@@ -276,12 +324,13 @@ uint64_t play(const uint8_t *data, size_t size, int failing)
     static player p;
     input in = {data, data + size};
     msap_config config = take_config(&in, take(&in, 1) & 1 ? 2 : 3);
-    memset(&p, 0, sizeof p);
+    config.max_boxes = BOX_LIMIT(MOST);
     p.failing = failing;
-    p.herd.most = MOST;
+    p.hash = p.tested = 0;
+    herd_begin(&p.herd, config.dims, MOST);
     fuzz_check(session_open(&p.s, &config, 1, SCENE_GRID));
     while (p.tested < PATIENCE && take_call(&in, &p.herd, &p.call))
-        carry_out(&p);
+        next_call(&p);
     p.call.argument = 0;
     p.s.memory.limit = 0;
     commit(&p);

@@ -6,6 +6,7 @@
 #include "scene.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------ set-ups */
@@ -14,7 +15,8 @@ static float take_of(input *in, const float *values, size_t count) { return valu
 
 static void take_fixed_grid(input *in, msap_config *config)
 {
-    static const float lows[] = {-10, 0, -1e30f, 1, 1e-40f, -3.4e38f}, sizes[] = {30, 1, 2e30f, 1e-3f, 1e-38f, 3.3e38f};
+    static const float lows[] = {-10, 0, -1e30f, 1, 1e-40f, -3.4e38f};
+    static const float sizes[] = {30, 1, 2e30f, 1e-3f, 1e-38f, 3.3e38f};
     uint32_t c;
     for (c = 0; c < config->dims; c++) {
         config->grid_cells[c] = 1 + (uint32_t)take(in, 1) % 17;
@@ -125,58 +127,97 @@ static box stepped(source *s, const box *from)
 
 /* ------------------------------------------------------------------ layouts */
 
-static unsigned char layout_bytes[MOST_BOXES * 6 * sizeof(double) + 8];
-
-/* All mins of an axis behind each other, and so on. */
-static msap_boxes by_component(const box *from, size_t k)
+/* A block of this size in place of the old one. */
+static void *renew(void *old, size_t size)
 {
-    msap_boxes boxes = {sizeof boxes, MSAP_FLOAT, layout_bytes, NULL, sizeof(float), 0, sizeof(float), 0};
-    size_t i, c;
-    boxes.min_component = boxes.max_component = (ptrdiff_t)(k * sizeof(float));
-    boxes.max = layout_bytes + 3 * k * sizeof(float);
-    for (i = 0; i < k; i++)
-        for (c = 0; c < 3; c++) {
-            memcpy(layout_bytes + (c * k + i) * sizeof(float), &from[i].min[c], sizeof(float));
-            memcpy(layout_bytes + ((3 + c) * k + i) * sizeof(float), &from[i].max[c], sizeof(float));
-        }
-    return boxes;
+    void *block = malloc(size + !size);
+    free(old);
+    if (!block)
+        fuzz_check("there is no memory");
+    return block;
 }
 
-/* Doubles, the last box first, at odd addresses; maxes before mins. */
-static msap_boxes doubles_backwards(const box *from, size_t k)
+/* Box after box. */
+static void in_row(const box *from, size_t k, unsigned char *to, msap_boxes *boxes)
+{
+    memcpy(to, from, k * sizeof *from);
+    boxes->min_row = boxes->max_row = sizeof *from;
+    boxes->max = to + 3 * sizeof(float);
+}
+
+/* All mins of an axis behind each other, and so on. */
+static void by_component(const box *from, size_t k, unsigned char *to, msap_boxes *boxes)
+{
+    size_t i, c;
+    boxes->min_component = boxes->max_component = (ptrdiff_t)(k * sizeof(float));
+    boxes->max = to + 3 * k * sizeof(float);
+    for (i = 0; i < k; i++)
+        for (c = 0; c < 3; c++) {
+            memcpy(to + (c * k + i) * sizeof(float), &from[i].min[c], sizeof(float));
+            memcpy(to + ((3 + c) * k + i) * sizeof(float), &from[i].max[c], sizeof(float));
+        }
+}
+
+/* Doubles, the last box first, at odd addresses; maxes before mins, and these from the last axis. */
+static void doubles_backwards(const box *from, size_t k, unsigned char *to, msap_boxes *boxes)
 {
     enum { ROW = 6 * sizeof(double) };
-    msap_boxes boxes = {sizeof boxes, MSAP_DOUBLE, NULL, NULL, -ROW, -(int)sizeof(double), -ROW, sizeof(double)};
     size_t i, c;
-    boxes.max = layout_bytes + 1 + (k ? k - 1 : 0) * ROW;
-    boxes.min = (const unsigned char *)boxes.max + 5 * sizeof(double);
+    boxes->scalar = MSAP_DOUBLE;
+    boxes->min_row = boxes->max_row = -ROW;
+    boxes->min_component = -(int)sizeof(double);
+    boxes->max_component = sizeof(double);
+    boxes->max = to + 1 + (k ? k - 1 : 0) * ROW;
+    boxes->min = (const unsigned char *)boxes->max + (k ? 5 * sizeof(double) : 0);
     for (i = 0; i < k; i++)
         for (c = 0; c < 3; c++) {
             double min = from[i].min[c], max = from[i].max[c];
-            unsigned char *row = layout_bytes + 1 + (k - 1 - i) * ROW;
+            unsigned char *row = to + 1 + (k - 1 - i) * ROW;
             memcpy(row + (5 - c) * sizeof min, &min, sizeof min);
             memcpy(row + c * sizeof max, &max, sizeof max);
         }
+}
+
+msap_boxes lay_out(const box *from, size_t k, uint32_t layout)
+{
+    static unsigned char *blocks[2];
+    static unsigned turn; /* two blocks, as pruning takes two sets */
+    enum { STEP = sizeof(float) };
+    msap_boxes boxes = {sizeof boxes, MSAP_FLOAT, NULL, NULL, STEP, STEP, STEP, STEP};
+    size_t size = k * sizeof *from;
+    unsigned char *to = renew(blocks[turn], layout % 3 < 2 ? size : 2 * size + 1);
+    blocks[turn] = to;
+    turn = !turn;
+    boxes.min = to;
+    switch (layout % 3) {
+    case 0: in_row(from, k, to, &boxes); break;
+    case 1: by_component(from, k, to, &boxes); break;
+    default: doubles_backwards(from, k, to, &boxes);
+    }
     return boxes;
 }
 
-static msap_boxes lay_out(const box *from, size_t k, uint32_t layout)
+void set_first(call *c, uint32_t dims)
 {
-    switch (layout % 3) {
-    case 0: return boxes_in_row(from);
-    case 1: return by_component(from, k);
-    default: return doubles_backwards(from, k);
-    }
+    static float *min, *max;
+    size_t size = dims * sizeof(float);
+    min = renew(min, size);
+    max = renew(max, size);
+    c->min = memcpy(min, c->bounds[0].min, size);
+    c->max = memcpy(max, c->bounds[0].max, size);
 }
 
 /* -------------------------------------------------------------------- calls */
+
+/* Most numbers of boxes are small: scenes of many are slow. */
+enum { MANY = 0xF000 };
 
 static void take_additions(input *in, const herd *h, call *c)
 {
     source s = take_source(in);
     size_t places = h->most - h->count, i;
-    uint32_t statics = (uint32_t)take(in, 1);
-    c->k = take(in, 2) % (places + 1);
+    uint32_t statics = (uint32_t)take(in, 1), count = (uint32_t)take(in, 2);
+    c->k = (count < MANY ? count & 63 : count) % (places + 1);
     for (i = 0; i < c->k; i++) {
         c->bounds[i] = scaled(random_box(&s.random, s.scene), s.exponent);
         c->flags[i] = (random_next(&s.random) & 255) < statics ? MSAP_STATIC : 0;
@@ -230,7 +271,10 @@ static void take_offset(input *in, call *c)
     uint32_t kind = (uint32_t)take(in, 1);
     int axis;
     for (axis = 0; axis < 3; axis++) {
-        c->offset[axis] = kind % 3 == 0 ? (double)(int)take(in, 1) - 128 : kind % 3 == 1 ? take_hard(in) : take_double(in);
+        if (kind % 3 == 0)
+            c->offset[axis] = (double)(int)take(in, 1) - 128;
+        else
+            c->offset[axis] = kind % 3 == 1 ? take_hard(in) : take_double(in);
         if (!isfinite(c->offset[axis]))
             c->offset[axis] = 0.1;
     }
@@ -278,11 +322,41 @@ int take_call(input *in, const herd *h, call *c)
     if (c->kind == CALL_WRONG || c->kind == CALL_OTHER || c->kind == CALL_DATA || c->kind == CALL_COMMIT)
         c->argument = (uint32_t)take(in, c->kind == CALL_COMMIT ? 1 : 2);
     take_arguments(in, h, c);
-    c->boxes = lay_out(c->bounds, c->k, layout / COUNT(kinds));
+    if (c->kind == CALL_ADD || c->kind == CALL_UPDATE)
+        set_first(c, h->dims);
+    else
+        c->boxes = lay_out(c->bounds, c->kind == CALL_ADD_MANY || c->kind == CALL_UPDATE_MANY ? c->k : 0,
+                           layout / COUNT(kinds));
     return 1;
 }
 
+msap_status carry_out(msap_world *world, const call *c, msap_handle *handles)
+{
+    switch (c->kind) {
+    case CALL_ADD:
+        return c->k > 0 ? msap_add(world, c->min, c->max, c->flags[0], NULL, handles) : MSAP_OK;
+    case CALL_ADD_MANY: return msap_add_many(world, c->k, &c->boxes, c->flags, NULL, handles);
+    case CALL_UPDATE:
+        return c->k > 0 ? msap_update(world, c->handles[0], c->min, c->max) : MSAP_OK;
+    case CALL_UPDATE_MANY: return msap_update_many(world, c->k, c->handles, &c->boxes);
+    case CALL_REMOVE: return c->k > 0 ? msap_remove(world, c->handles[0]) : MSAP_OK;
+    case CALL_REMOVE_MANY: return msap_remove_many(world, c->k, c->handles);
+    case CALL_SHIFT: return msap_shift_origin(world, c->offset);
+    case CALL_TRIM: return msap_trim(world);
+    case CALL_COMMIT: return msap_commit(world, NULL, NULL);
+    default: return MSAP_OK;
+    }
+}
+
 /* ----------------------------------------------------------------- the herd */
+
+void herd_begin(herd *h, uint32_t dims, size_t most)
+{
+    h->dims = dims;
+    h->count = 0;
+    h->most = most;
+    h->dead = MSAP_NULL_HANDLE;
+}
 
 static void herd_add(herd *h, const call *c)
 {

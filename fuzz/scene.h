@@ -22,14 +22,17 @@ msap_config take_config(input *in, uint32_t dims);
 
 /* The boxes that a scene has. */
 typedef struct herd {
+    uint32_t dims;
+    size_t count, most; /* boxes now, and at once */
+    msap_handle dead;   /* a handle that is stale, or MSAP_NULL_HANDLE */
     struct member {
         msap_handle handle;
         box bounds;
     } live[MOST_BOXES];
-    size_t count;
-    msap_handle dead; /* a handle that is stale, or MSAP_NULL_HANDLE */
-    size_t most;      /* boxes at once */
 } herd;
+
+/* For a new scene of at most MOST_BOXES boxes at once. */
+void herd_begin(herd *h, uint32_t dims, size_t most);
 
 typedef enum call_kind {
     CALL_ADD,
@@ -57,11 +60,20 @@ typedef struct call {
     uint32_t flags[MOST_BOXES];
     void *data[MOST_BOXES];
     double offset[3];
-    msap_boxes boxes; /* the bounds in one of many layouts */
+    const float *min, *max; /* of the first box */
+    msap_boxes boxes;       /* the bounds in one of many layouts */
 } call;
+
+/* Where the library reads bounds: in blocks that end with what it may read, so that a
+ * sanitizer sees it read further. A block lasts until the next one of its kind. */
+msap_boxes lay_out(const box *from, size_t k, uint32_t layout);
+void set_first(call *c, uint32_t dims);
 
 /* Takes the next call; returns 0 when the input is at its end. */
 int take_call(input *in, const herd *h, call *c);
+
+/* Makes a call of the library; what is none is MSAP_OK. handles: for additions. */
+msap_status carry_out(msap_world *world, const call *c, msap_handle *handles);
 
 /* Brings the herd up to date with a call that the library has carried out; for
  * additions, c->handles are what it gave. */

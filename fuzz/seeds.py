@@ -34,6 +34,11 @@ def add_many(count, scene=GRID, exponent=0, seed=1, statics=32, layout=IN_ROW):
     return call(ADD_MANY, layout) + source(scene, exponent, seed) + bytes([statics]) + struct.pack("<H", count)
 
 
+def add_crowd(count, places, seed):
+    """More than 255, as MANY in scene.c has it, into a world that has so many places left."""
+    return add_many(0xF000 + (count - 0xF000) % (places + 1), SPREAD, seed=seed)
+
+
 def update_many(how, share=255, scene=GRID, exponent=0, seed=7, layout=IN_ROW):
     """how: 0 to anywhere, 1 a step, 2 a part of the size; and 4: one box twice."""
     return call(UPDATE_MANY, layout) + source(scene, exponent, seed) + bytes([how, share])
@@ -83,9 +88,10 @@ STORIES = {
                + update_many(0, layout=DOUBLES) + commit() + update_many(0, layout=BY_COMPONENT) + commit(),
     "single": (call(ADD) + b"\1" + box(0, 2, 4, 6, 8, 10) + call(ADD) + b"\0" + box(33, 32, 31, 30, 1, 0) + commit()
                + call(UPDATE) + b"\0\0" + box(32, 33, 32, 33, 32, 33) + commit() + call(REMOVE) + b"\1\0" + commit()),
-    "data": add_many(20) + commit() + commit(1) + b"".join(call(DATA) + bytes([i, 0]) for i in range(8)) + commit(2),
+    "data": add_many(20) + commit() + commit(1) + b"".join(call(DATA) + bytes([i, 3 * i]) for i in range(8)) + commit(2),
+    "inside": add_many(30) + b"".join(commit(8 * i + 5) + update_many(1, seed=i) for i in range(12)),
     "wrong": add_many(12) + commit() + remove_many(60) + commit()
-             + b"".join(wrong(i * 0x9D + (i % 4 << 8)) for i in range(24)) + commit(),
+             + b"".join(wrong(i * 0x9D % 256 + (i % 7 << 8)) for i in range(42)) + commit(),
     "memory": b"".join(other(4 * i + i % 4) + add_many(6 + i, seed=i) + update_many(i % 3) + other(4 * i + 1) + commit()
                        for i in range(9)),
     "trouble": b"".join(other(8 * i + i % 8) + add_many(90 * i, SPREAD, seed=i) + update_many(i % 3, seed=i) + commit()
@@ -117,13 +123,28 @@ def scenes():
                 yield f"{story}-{setup}", bytes([(i + j) % 2]) + config + told
 
 
+def streams():
+    """Stories with snapshots, losses and commits that are left out."""
+    trouble = [other(1 | 0b1010110 << 2), other(0), other(2 | 2 << 2), other(3)]
+    for i, (story, told) in enumerate(STORIES.items()):
+        parts = told.split(commit())
+        told = b"".join(part + commit() + trouble[(i + j) % 4] for j, part in enumerate(parts))
+        yield story, bytes([i % 2 | 2 * (i % 5) | 16 * (i % 7)]) + SETUPS["auto"] + told
+    crowd = add_many(120, GRID, 8) + commit() + update_many(0, 255, SPREAD) + commit()
+    yield "parts", bytes([3]) + SETUPS["auto"] + crowd + other(1 | 2 << 2) + update_many(0, 255, GRID, 8) + commit()
+
+
 def contests():
     """The same for three set-ups at once, with more boxes."""
     setups = list(SETUPS.values())
     for i, (story, told) in enumerate(STORIES.items()):
         three = setups[i % len(setups)] + setups[(i + 4) % len(setups)] + setups[(i + 7) % len(setups)]
-        crowd = add_many(600, SPREAD, seed=i) if story in ("steps", "jumps", "going", "trouble", "trim") else b""
+        crowd = add_crowd(600, 1200, i) if story in ("steps", "jumps", "going", "trouble", "trim") else b""
         yield story, bytes([i % 2]) + three + crowd + told
+    crowded = add_crowd(1040, 1200, 5) + commit() + remove_many(250) + commit()
+    for i in (0, 1):
+        yield f"rest{i}", (b"\0" + setups[i] + setups[i + 4] + setups[i + 7] + crowded + other(8 * 5 + i) + other(3)
+                          + add_many(50) + commit())
 
 
 # ------------------------------------------------------------------ numbers
@@ -145,6 +166,8 @@ def prune():
     """how, [failing allocation], two sets of boxes, spoiled bounds; as fuzz_prune.c reads them."""
     for how in range(16):
         yield f"how{how}", bytes([how]) + bytes([how % 4, how, 0, 40 + 8 * how]) + bytes([(how + 1) % 4, 9, 9, 100])
+    for how in (8, 9, 8 + 64, 9 + 128):
+        yield f"touching{how}", bytes([how]) + bytes([GRID, 1, 0, 60]) + bytes([GRID, 2, 0, 60])
     yield "failing", bytes([16, 3]) + bytes([0, 1, 0, 150]) + bytes([1, 2, 0, 150])
     yield "limit", bytes([32 + 8, 0, 8]) + bytes([0, 1, 0, 150]) + bytes([1, 2, 0, 150])
     yield "nan", bytes([0]) + bytes([1, 1, 0, 50]) + bytes([1, 2, 0, 50]) + bytes([1, 7, 4]) + struct.pack("<f", float("nan"))
@@ -180,6 +203,12 @@ def traces():
     yield "no-such-box", trace_of([([4], [], [])])
     yield "large-id", trace_of([([], [(4000000000, 0, cube(0))], [])], max_ids=0xFFFFFFFF)
     yield "cut", trace_of([([], [(0, 0, cube(0))], [])])[:-5]
+    yield "one-axis", trace_of([([], [(0, 0, cube(0))], [])], dims=1)
+    yield "four-axes", trace_of([([], [(0, 0, cube(0))], [])], dims=4)
+    yield "twice-there", trace_of([([], [(0, 0, cube(0)), (0, 0, cube(1))], [])])
+    yield "twice-gone", trace_of([([], [(0, 0, cube(0))], []), ([0, 0], [], [])])
+    yield "gone-and-moved", trace_of([([], [(0, 0, cube(0))], []), ([0], [], [(0, cube(1))])])
+    yield "flags", trace_of([([], [(0, 2, cube(0))], [])])
     yield "left-over", trace_of([([], [(0, 0, cube(0))], [])]) + b"\0\0"
 
 
@@ -200,12 +229,21 @@ def messages():
     yield "part", b"\0" + message(part=2, parts=3, created=some)
     yield "too-many", b"\0" + message(counts=(1 << 30, 1 << 30))
     yield "negative", b"\0" + message(counts=(-1, 1))
+    yield "more-than-all", b"\0" + message(pairs=1, created=some)
+    yield "base-below", b"\0" + message(base=-1)
+    yield "base-of-later", b"\0" + message(base=5)
+    yield "part-below", b"\0" + message(part=-1)
+    yield "part-beyond", b"\0" + message(part=3, parts=3)
+    yield "kind", b"\0" + message(kind=2)
+    yield "snapshot-of-later", b"\0" + message(kind=1, base=1, created=some)
+    yield "snapshot-deletes", b"\0" + message(kind=1, base=0, deleted=some)
+    yield "longer", b"\0" + message(created=some) + b"\0"
     yield "stranger", struct.pack(">Q", 0xAF4CBFD932BEEDAC) + message()
 
 
 def main():
     for harness, seeds in (("api", scenes()), ("alloc", scenes()), ("setups", contests()), ("bounds", bounds()),
-                           ("prune", prune()), ("trace", traces()), ("lcm", messages())):
+                           ("prune", prune()), ("trace", traces()), ("lcm", messages()), ("stream", streams())):
         folder = CORPUS / harness
         folder.mkdir(parents=True, exist_ok=True)
         for old in folder.glob("seed-*"):
