@@ -233,6 +233,8 @@ $(COMMAND) $(TEST_PROGRAMS): $(LCM_STATIC) $(STATIC)
 	$(call say,ld $@)
 	$(Q)$(LINK) -o $@ $(filter %.o,$^) $(LCM_STATIC) $(STATIC) $(LINK_WITH)
 
+include bench/bench.mk bench/accuracy/accuracy.mk tests/trust/trust.mk
+
 FORCE:
 .PHONY: all lib tool run check test asan install install-lcm clean help FORCE $(SUITES:%=test-%)
 .SECONDARY:

@@ -8,14 +8,15 @@
  * 1. In every set-up a scene grows and moves under one limit after another. A call for
  *    which there is no memory must leave the world as it was; boxes are then removed
  *    until a commit succeeds, and the scene goes on.
- * 2. All allocations from the n-th on fail, n = 1, 2, ..., through the first commits of a
- *    scene that is large enough for tasks, levels and the pruning of everything.
+ * 2. The n-th allocation fails, or all from it on, n = 1, 2, ... until none does, through
+ *    the first commits of a scene that is large enough for tasks, levels and the pruning
+ *    of everything.
  * 3. The pair explosion: BOXES boxes (default 20000) at one point would be a pair each
  *    with each, far more than the limit allows. The commit must say so; when most boxes
  *    have been removed, it must succeed.
  *
- * Test_memory.c lets single allocations fail. Needs nothing but the C library and POSIX
- * threads. Prints how many calls had no memory.
+ * Test_memory.c does the second for smaller and longer scenes. Needs nothing but the C
+ * library and POSIX threads. Prints how many allocations failed.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@
 #include "../unit/common.h"
 #include "../unit/setups.h"
 
-static unsigned long no_memory;
+static unsigned long failed;
 
 /* Ends the program if there is something wrong. */
 static void right(const char *what, int row, size_t limit)
@@ -44,7 +45,6 @@ static int had_memory(session *s, msap_status status, int row)
 {
     if (status == MSAP_OK)
         return 1;
-    no_memory++;
     right(is(status == MSAP_ERROR_MEMORY), row, s->memory.limit);
     right(is(s->memory.peak <= s->memory.limit), row, s->memory.limit);
     right(session_compare(s), row, s->memory.limit);
@@ -126,6 +126,7 @@ static void grow_under_limit(int row, size_t limit, scene_kind scene)
             right(session_compare(&s), row, limit);
         }
     }
+    failed += s.memory.failures;
     right(session_close(&s), row, limit);
 }
 
@@ -144,7 +145,7 @@ static void add_row(session *s, uint32_t n, int row)
 }
 
 /* Returns whether it came to an n-th allocation. */
-static int large_scene(int row, size_t n)
+static int large_scene(int row, size_t n, int and_more)
 {
     msap_config config = setup_config(3, row);
     session s;
@@ -152,14 +153,14 @@ static int large_scene(int row, size_t n)
     int frame;
     right(session_open(&s, &config, 3, SCENE_SIZES), row, n);
     add_row(&s, 700, row);
-    s.memory.fail_from = s.memory.calls + n;
+    *(and_more ? &s.memory.fail_from : &s.memory.fail_at) = s.memory.calls + n;
     for (frame = 0; frame < 4; frame++) {
         right(session_commit(&s), row, n);
         right(session_compare(&s), row, n);
         move_some(&s, frame == 2 ? 64 : 1, row);
     }
     failures = s.memory.failures;
-    no_memory += failures;
+    failed += failures;
     right(session_close(&s), row, n);
     return failures > 0;
 }
@@ -196,7 +197,7 @@ static void explode(int row, uint32_t n)
     right(is(counts.created == LEFT * (LEFT - 1) / 2 && counts.active == counts.created), row, limit);
     right(is(msap_validate(world, NULL) == MSAP_OK), row, limit);
     right(is(msap_destroy(world) == MSAP_OK && memory.bytes == 0 && memory.wrong == 0), row, limit);
-    no_memory++;
+    failed += memory.failures;
     free(handles);
 }
 
@@ -204,15 +205,16 @@ int main(int argc, char **argv)
 {
     unsigned long boxes = argc > 1 ? strtoul(argv[1], NULL, 10) : 20000;
     size_t n;
-    int row;
+    int row, and_more;
     for (row = 0; row < SETUPS; row++) {
         for (n = 1000; n < 400000; n += n / 4)
             grow_under_limit(row, n, (scene_kind)(n / 4 % SCENE_COUNT));
-        for (n = 1; large_scene(row, n); n++)
-            ;
-        if (row < 5 || setups[row].workers) /* the default, the single SAP, and all with workers */
+        for (and_more = 0; and_more < 2; and_more++)
+            for (n = 1; large_scene(row, n, and_more); n++)
+                ;
+        if (row < 2 || setups[row].jobs == JOBS_POOL) /* the default, the single SAP, and with threads */
             explode(row, (uint32_t)boxes);
     }
-    printf("memory limit: %lu calls had no memory\n", no_memory);
+    printf("memory limit: %lu allocations failed\n", failed);
     return EXIT_SUCCESS;
 }

@@ -187,7 +187,7 @@ static int are_paired(const msap_world *world, msap_handle a, msap_handle b)
 START_TEST(nothing_is_missed)
 {
     static const double at[] = {0, 1e-40, 1, 1e3, 1e5, 1e6, 1e7, 1e15, 1e30};
-    double bounds[CROWD][6];
+    static double bounds[CROWD][6];
     msap_boxes boxes = boxes_of_doubles(bounds[0]);
     uint64_t random = 5;
     size_t n;

@@ -126,6 +126,31 @@ HARD_CASE(one_ulp_on_every_axis)
     ok(msap_destroy(world));
 }
 
+/* On each axis, of two boxes one ends at a zero and the other begins at one, of either
+ * sign; then a step of the least number parts them, below zero or above. */
+HARD_CASE(zeros_of_both_signs)
+{
+    float minus_zero = float_of(0x80000000);
+    int axis, signs;
+    for (axis = 0; axis < 3; axis++)
+        for (signs = 0; signs < 4; signs++) {
+            float ends = signs & 1 ? minus_zero : 0, begins = signs & 2 ? minus_zero : 0;
+            msap_world *world = hard_world(row);
+            msap_handle a = add(world, with(cube(0, 1), axis, -1, ends)),
+                        b = add(world, with(cube(0, 1), axis, begins, 1));
+            add(world, with(cube(0, 1), axis, begins, ends)); /* no size, whichever zero comes first */
+            commit(world, 0, 3, 3);
+            update(world, a, with(cube(0, 1), axis, -1, -TINY));
+            commit(world, 2, 0, 1);
+            update(world, b, with(cube(0, 1), axis, -TINY, 1));
+            commit(world, 0, 1, 2);
+            update(world, a, with(cube(0, 1), axis, -1, begins));
+            update(world, b, with(cube(0, 1), axis, TINY, 1));
+            commit(world, 2, 1, 1);
+            ok(msap_destroy(world));
+        }
+}
+
 /* A cube; a point on each of its faces, a plate on its upper face, a line on an edge.
  * The cube meets all 8; the plate the point below it and the end of the line. One ulp
  * off the cube, the plate still has its point, and the line is off its corner. */
@@ -318,6 +343,29 @@ HARD_CASE(shrinks_grows_and_passes_through)
     ok(msap_destroy(world));
 }
 
+/* A box goes and comes back where it was, with another handle: the pair ends, and
+ * another begins. Its slot, 0, is given out from the next commit on. */
+HARD_CASE(removed_and_added_again)
+{
+    msap_world *world = hard_world(row);
+    msap_handle a = add(world, cube(0, 1)), b = add(world, cube(1, 2)), again;
+    commit(world, 0, 1, 1);
+    ok(msap_remove(world, a));
+    again = add(world, cube(0, 1));
+    ck_assert_uint_eq(again >> 32, 2);
+    commit(world, 1, 1, 1);
+    ck_assert(is_pair(world, b, again));
+    ok(msap_remove(world, again));
+    a = add(world, cube(0, 1));
+    ck_assert_uint_eq(a, 2); /* slot 0, generation 2 */
+    ok(msap_remove(world, a));
+    a = add(world, cube(-INF, INF));
+    ck_assert_uint_eq(a >> 32, 3);
+    commit(world, 1, 1, 1);
+    ck_assert(is_pair(world, b, a));
+    ok(msap_destroy(world));
+}
+
 /* Where a box of the swaps is: at 0 or at `far`, on the axes of the mask. */
 static box place_of_swap(int axes, float far)
 {
@@ -454,6 +502,76 @@ HARD_CASE(refused_and_accepted)
     ok(msap_destroy(world));
 }
 
+/* ------------------------------------------------------------------- set-ups */
+
+/* Where it is legal, three boxes meet at 0, and then one leaves by one ulp. */
+static void create_and_use(const msap_config *config, uint32_t status)
+{
+    msap_world *world = NULL;
+    msap_handle handle;
+    ck_assert_uint_eq(msap_create(config, &world), status);
+    if (status)
+        return;
+    add(world, cube(0, 1));
+    add(world, cube(-1, 0));
+    handle = add(world, cube(0, 0));
+    commit(world, 0, 3, 3);
+    update(world, handle, cube(TINY, TINY));
+    commit(world, 1, 0, 2);
+    ok(msap_destroy(world));
+}
+
+/* What msap_create says to a margin, a cell size and the ends of a grid. */
+static void set_ups(int row)
+{
+    static const struct {
+        uint32_t value, as_margin, as_cell_size;
+    } sizes[] = {
+        {0x00000000, MSAP_OK, MSAP_OK},
+        {0x80000000, MSAP_OK, MSAP_OK},
+        {0x00000001, MSAP_OK, MSAP_OK},
+        {0x80000001, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG}, /* below 0 */
+        {0x7F7FFFFF, MSAP_OK, MSAP_OK},
+        {0x7F800000, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG},
+        {0xFF800000, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG},
+        {0x7FC00000, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG},
+        {0xFFC00001, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG},
+        {0xBF800000, MSAP_OK, MSAP_ERROR_CONFIG}, /* MSAP_MARGIN_AUTO */
+        {0xBF800001, MSAP_ERROR_CONFIG, MSAP_ERROR_CONFIG},
+    };
+    static const struct {
+        uint32_t min, max, status;
+    } ends[] = {
+        {0x00000000, 0x00000001, MSAP_OK}, {0x00000001, 0x00000000, MSAP_ERROR_CONFIG},
+        {0x80000001, 0x00000000, MSAP_OK}, {0x00000000, 0x80000001, MSAP_ERROR_CONFIG},
+        {0x007FFFFF, 0x00800000, MSAP_OK}, {0x00000000, 0x80000000, MSAP_ERROR_CONFIG},
+        {0xFF7FFFFF, 0x7F7FFFFF, MSAP_OK}, {0x00000001, 0x00000001, MSAP_ERROR_CONFIG},
+        {0x7F7FFFFE, 0x7F7FFFFF, MSAP_OK}, {0x7F7FFFFF, 0x7F800000, MSAP_ERROR_CONFIG},
+    };
+    size_t i;
+    for (i = 0; i < COUNT(sizes); i++) {
+        msap_config margin = config_of(3, row), cell_size = config_of(3, row);
+        margin.margin = float_of(sizes[i].value);
+        cell_size.cell_size = float_of(sizes[i].value);
+        create_and_use(&margin, sizes[i].as_margin);
+        create_and_use(&cell_size, sizes[i].as_cell_size);
+    }
+    for (i = 0; i < COUNT(ends); i++) {
+        msap_config config = config_of(3, row);
+        config.grid = MSAP_GRID_FIXED;
+        config.grid_cells[1] = 4;
+        config.grid_min[1] = float_of(ends[i].min);
+        config.grid_max[1] = float_of(ends[i].max);
+        create_and_use(&config, ends[i].status);
+    }
+}
+
+START_TEST(set_ups_refused_and_accepted)
+{
+    in_all_environments(set_ups, DEFAULT);
+}
+END_TEST
+
 /* -------------------------------------------------------------------- pruning */
 
 /* The boxes of nothing_but_infinities, along an axis that is chosen from centres and
@@ -493,6 +611,7 @@ int main(void)
     TCase *tests = tcase_create("hard cases");
     tcase_add_loop_test(tests, faces_edges_and_corners, 0, SETUPS);
     tcase_add_loop_test(tests, one_ulp_on_every_axis, 0, SETUPS);
+    tcase_add_loop_test(tests, zeros_of_both_signs, 0, SETUPS);
     tcase_add_loop_test(tests, no_size_on_a_face, 0, SETUPS);
     tcase_add_loop_test(tests, identical_boxes_by_the_thousand, 0, SETUPS);
     tcase_add_loop_test(tests, all_end_points_equal_on_one_axis, 0, SETUPS);
@@ -500,9 +619,11 @@ int main(void)
     tcase_add_loop_test(tests, nothing_but_infinities, 0, SETUPS);
     tcase_add_loop_test(tests, about_flt_max, 0, SETUPS);
     tcase_add_loop_test(tests, shrinks_grows_and_passes_through, 0, SETUPS);
+    tcase_add_loop_test(tests, removed_and_added_again, 0, SETUPS);
     tcase_add_loop_test(tests, swaps_on_one_two_and_three_axes, 0, SETUPS);
     tcase_add_loop_test(tests, environments_change_between_commits, 0, SETUPS);
     tcase_add_loop_test(tests, refused_and_accepted, 0, SETUPS);
+    tcase_add_test(tests, set_ups_refused_and_accepted);
     tcase_add_test(tests, pruning_nothing_but_infinities);
     return run_case(tests, "hard cases");
 }

@@ -173,9 +173,11 @@ static void are_candidates(float margin, float high, float low, uint64_t expecte
         }
 }
 
+/* Volatile, so that it is not put off until the environment is another. */
 static float times(uint32_t n, int exponent)
 {
-    return (float)(n * msap_power_of_two(exponent));
+    volatile float value = (float)(n * msap_power_of_two(exponent));
+    return value;
 }
 
 /* At 1 and 3 times a power of two, the gap is just twice the margin of that power; at

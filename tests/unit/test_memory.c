@@ -474,22 +474,24 @@ static uint64_t bytes_of_empty_world(int row)
     return bytes;
 }
 
+enum { CROWD = 2000 };
+
 /* A crowd came, moved, jumped and is gone, but for so many. */
-static msap_world *deserted_world(int row, int boxes, int left)
+static msap_world *deserted_world(int row, int left)
 {
-    static msap_handle handles[6000];
+    static msap_handle handles[CROWD];
     msap_world *world = new_world(3, row);
     uint64_t random = 8;
     int i, frame;
-    for (i = 0; i < boxes; i++)
+    for (i = 0; i < CROWD; i++)
         handles[i] = add(world, random_box(&random, SCENE_SIZES));
     for (frame = 0; frame < 3; frame++) {
         ok(msap_commit(world, NULL, NULL));
-        for (i = frame; i < boxes; i += 3)
+        for (i = frame; i < CROWD; i += 3)
             update(world, handles[i], random_box(&random, SCENE_SIZES));
     }
     ok(msap_commit(world, NULL, NULL));
-    ok(msap_remove_many(world, (size_t)(boxes - left), handles + left));
+    ok(msap_remove_many(world, (size_t)(CROWD - left), handles + left));
     ok(msap_commit(world, NULL, NULL));
     return world;
 }
@@ -498,7 +500,7 @@ static msap_world *deserted_world(int row, int boxes, int left)
  * a box. */
 START_TEST(an_emptied_world_holds_little_after_a_trim)
 {
-    msap_world *world = deserted_world(_i, 6000, 0);
+    msap_world *world = deserted_world(_i, 0);
     uint64_t empty = bytes_of_empty_world(_i);
     ck_assert_uint_gt(stats_of(world).bytes, 1024 * 1024);
     ok(msap_trim(world));
@@ -514,14 +516,14 @@ END_TEST
 /* Or after a long time, by itself, also when a little is left and goes on. */
 START_TEST(an_emptied_world_holds_little_after_a_while)
 {
-    msap_world *world = deserted_world(_i, 6000, 0);
+    msap_world *world = deserted_world(_i, 0);
     uint64_t empty = bytes_of_empty_world(_i);
     int i;
     for (i = 0; i < 300; i++)
         commit(world, 0, 0, 0);
     ck_assert_uint_le(stats_of(world).bytes, empty + 8192);
     ok(msap_destroy(world));
-    world = deserted_world(_i, 6000, 5);
+    world = deserted_world(_i, 5);
     for (i = 0; i < 300; i++) {
         update(world, 1, cube((float)i, (float)(i + 1)));
         ok(msap_commit(world, NULL, NULL));
