@@ -4,10 +4,10 @@
 
 Runs bench/speed, and replays scenes by the programs that have modes (bench/replay and
 those of bench/accuracy), in rounds, so that what is compared runs at about the same time.
-A frame's time is the shortest of all rounds; a ratio is of the sums of these over all frames
-after the first, its spread that of the rounds by themselves. Prints the tables, writes them into the page's
-measured part, and beside the programs all figures as CSV; beside the page a plot, if there
-is matplotlib.
+A frame's time is the shortest of all rounds. A ratio is of the sums over all frames after
+the first, since both pay alike for what else the machine does; the median of the rounds
+counts. Prints the tables, writes them into the page's measured part, and beside the
+programs all figures as CSV; beside the page a plot, if there is matplotlib.
 """
 import argparse
 import csv
@@ -68,11 +68,6 @@ def replay(scene, modes, rounds, limit):
     return times
 
 
-def shortest(rounds):
-    """Of each frame."""
-    return [min(ms) for ms in zip(*rounds)]
-
-
 def ratio_of(frames, base):
     """How many times the base's time all frames after the first take, as far as both have them."""
     both = min(len(frames), len(base))
@@ -83,12 +78,12 @@ class Replay:
     """A mode's frames in a scene, beside the base's."""
 
     def __init__(self, rounds, base):
-        frames = shortest(rounds)
+        frames = [min(ms) for ms in zip(*rounds)]
         self.frames, self.first, rest = len(frames), frames[0], sorted(frames[1:])
         self.median, self.mean, self.worst = statistics.median(rest), statistics.mean(rest), rest[-1]
         self.p99 = rest[math.ceil(0.99 * len(rest)) - 1]
-        self.ratio = ratio_of(frames, shortest(base))
         self.ratios = sorted(map(ratio_of, rounds, base))
+        self.ratio = statistics.median(self.ratios)
 
 
 def boxes_of(trace):
@@ -201,7 +196,7 @@ def measured(results, replays, traces, modes, rounds):
     yield from frame_table(replays, traces)
     yield from ("### Beside others", "")
     yield from claims.paragraph(
-        "What others take for the same frames; in parentheses the least and the most by single rounds; a dash where "
+        "What others take for the same frames: the median of the rounds, and the least and the most; a dash where "
         "one crashed or had not done three frames in the time that it was given, which ends longer runs early. Who "
         "among them reports false pairs or misses some stands in the [accuracy report](accuracy/README.md).")
     yield from peer_table(replays, modes)

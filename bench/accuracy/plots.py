@@ -99,10 +99,12 @@ def draw_speed_and_error(rows, titles, modes, styles, out):
 
 def draw_lines(ax, rows, name, distances, modes, styles, against):
     for number, mode in enumerate(modes):
-        points = [(i, rows[f"{name}@{d}", mode]) for i, d in enumerate(distances)]
-        points = [(i, place_of(row.error(against), number, len(modes))) for i, row in points if row.works]
+        works = [(i, rows[f"{name}@{d}", mode]) for i, d in enumerate(distances) if rows[f"{name}@{d}", mode].works]
+        points = [(i, place_of(row.error(against), number, len(modes))) for i, row in works]
+        missed = any(row.share("missed", against) for _, row in works)
         if points:
-            ax.plot(*zip(*points), markersize=4, linewidth=0.8, label=mode, **styles[mode])
+            ax.plot(*zip(*points), markersize=4, linewidth=0.8, label=mode, **styles[mode],
+                    markerfacecolor="none" if missed else styles[mode]["color"])
     set_error_axis(ax.yaxis, ax.set_ylim, ax.axhspan)
     ax.set_xticks(range(len(distances)), distances)
     ax.set_xlabel("units from the origin")

@@ -313,6 +313,7 @@ START_TEST(the_events_are_those_without_a_margin)
     static msap_handle handles[WORLDS][BOXES];
     uint32_t random = 1;
     int frame, w;
+    memset(handles, 0, sizeof handles);
     environment_enter(&environments[_i]);
     for (w = 0; w < WORLDS; w++)
         worlds[w] = margin_world(float_from_bits(margins[w]), 0);
