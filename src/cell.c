@@ -52,13 +52,15 @@ static void move_row(struct cell *c, uint32_t from, uint32_t to)
     msap_cell_put_row(c, to, &b, slot);
 }
 
-/* Room for n boxes in a cell that has none. Returns 0 without memory. */
+/* Room for n boxes in a cell that has none: rows that name no box, for row_of reads whole
+ * blocks. Returns 0 without memory. */
 int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n)
 {
     unsigned class = class_for(n);
     c->block = msap_pool_get(p, m, class);
     if (!c->block) return 0;
     c->room = (uint32_t)8 << class;
+    for (uint32_t i = 0; i < c->room / 8; i++) memset(c->block[i].id, 0xff, sizeof c->block[i].id);
     return 1;
 }
 

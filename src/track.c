@@ -48,8 +48,9 @@ static size_t misplaced_first(const struct grid *g, const struct box_table *t)
     return n;
 }
 
-/* Orders the first n changed boxes by the cell that they were last in, so that what
- * is near in space is near in time. Without memory they stay as they are. */
+/* Orders the first n changed boxes by the cell that they were in or, of those that come,
+ * are in now, so that what is near in space is near in time. Without memory they stay as
+ * they are. */
 static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 {
     uint32_t *changed = job->boxes->changed;
@@ -57,7 +58,8 @@ static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
         const struct layout *l = &g->layout[g->current];
-        struct range base = range_of(l, &g->place[changed[i]].fat);
+        const struct place *p = &g->place[changed[i]];
+        struct range base = range_of(l, p->level == NO_LEVEL ? &job->boxes->at[changed[i]].now : &p->fat);
         key[i] = (uint64_t)(cell_at(&l->level[0], base.low) - l->cell) << 32 | changed[i];
     }
     msap_sort_keys(key, n, key + n);
