@@ -70,7 +70,7 @@ char *scene_name(const char *path)
     if (length > 6 && strcmp(base + length - 6, ".trace") == 0)
         length -= 6;
     char *name = calloc(length + 1, 1);
-    return name ? memcpy(name, base, length) : NULL;
+    return name ? memcpy(name, base, length) : NULL; // NOLINT(bugprone-not-null-terminated-result): calloc put the end
 }
 
 int finish_output(void)
