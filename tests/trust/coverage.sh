@@ -2,26 +2,32 @@
 # SPDX-FileCopyrightText: 2026 the multisap authors
 # SPDX-License-Identifier: MIT
 #
-# usage: tests/trust/coverage.sh BUILD...
+# usage: tests/trust/coverage.sh BUILD PORTABLE
 #
-# Says which lines and branches of src/ the programs in the folders, built with
-# --coverage, did not reach, and fails if there are any. What cannot be reached is
-# excluded in the source, by GCOVR_EXCL_LINE, GCOVR_EXCL_BR_LINE or GCOVR_EXCL_START and
-# STOP, with the reason beside it. coverage.html in the first folder shows it line by
-# line.
+# Says which lines and branches of src/ the programs in BUILD, built with --coverage, did
+# not reach, and which of the files that have a portable half those in PORTABLE, built
+# without SSE2, did not; fails if there are any. What cannot be reached is excluded in the
+# source, by GCOVR_EXCL_LINE, GCOVR_EXCL_BR_LINE or GCOVR_EXCL_START and STOP, with the
+# reason beside it. BUILD/coverage.html shows it line by line.
 set -eu
 cd "$(dirname "$0")/../.."
 
+# report NAME FOLDER FILTERS...: the totals, and what is missing
 report()
 {
-    gcovr --root . --filter src/ --exclude-throw-branches "$@"
+    name=$1
+    folder=$2
+    shift 2
+    gcovr --root . "$@" --fail-under-line 100 --fail-under-branch 100 "$folder" >"$folder/lines.txt" 2>"$folder/errors" ||
+        result=1
+    gcovr --root . "$@" --branches "$folder" >"$folder/branches.txt"
+    for what in lines branches; do
+        awk -v what="$name, $what" '/^TOTAL/ { print what ": " $3 " of " $2 " reached, " $4 }
+            $4 ~ /%/ && $4 != "100%" && !/^TOTAL/ { print "    " $0 }' "$folder/$what.txt"
+    done
 }
 
 result=0
-report --html-details "$1/coverage.html" --fail-under-line 100 --fail-under-branch 100 "$@" >"$1/lines.txt" || result=1
-report --txt-metric branch "$@" >"$1/branches.txt"
-for what in lines branches; do
-    awk -v what=$what '/^TOTAL/ { print what ": " $3 " of " $2 ", " $4 }
-        $4 ~ /%/ && $4 != "100%" && !/^TOTAL/ { print "    " $0 }' "$1/$what.txt"
-done
+report 'with vectors' "$1" --filter src/ --html-details "$1/coverage.html"
+report 'portable halves' "$2" $(grep -l __SSE2__ src/* | sed 's/^/--filter /')
 exit $result

@@ -233,9 +233,49 @@ START_TEST(a_ground_plane_comes_and_goes)
 }
 END_TEST
 
+/* ---------------------------------------------------------------- all jumps */
+
+/* All boxes jump in every frame: the small ones anywhere, or all to the same place; the
+ * giants, of all kinds, too. */
+static box jumper(uint64_t *random, int is_giant, int is_heap, int frame)
+{
+    float x = (float)random_below(random, 500), y = (float)random_below(random, 500), far = (float)(3000 * frame);
+    if (is_giant)
+        return box_of(-INF, -INF, y, INF, random_below(random, 2) ? INF : x, y + 1);
+    if (is_heap)
+        return cube(far + x / 1000, far + 1 + y / 1000);
+    return box_of(x, y, y - x, x + 2, y + 2, y - x + 2);
+}
+
+START_TEST(giants_where_all_jumps)
+{
+    static const struct {
+        int small, giants, is_heap;
+    } scenes[] = {{300, 0, 1}, {300, 10, 0}, {20, 55, 0}, {100, 100, 0}, {300, 1, 1}};
+    size_t scene;
+    for (scene = 0; scene < COUNT(scenes); scene++) {
+        static msap_handle handles[400];
+        msap_config config = config_of(scene % 2 ? 2 : 3, _i);
+        session s;
+        int frame, i, n = scenes[scene].small + scenes[scene].giants;
+        right(session_open(&s, &config, 3 + scene, SCENE_HARD));
+        for (frame = 0; frame < 6; frame++) {
+            for (i = 0; i < n; i++) {
+                box b = jumper(&s.random, i >= scenes[scene].small, scenes[scene].is_heap, frame);
+                right(frame ? session_update(&s, handles[i], &b) : session_add(&s, &b, i % 3 ? 0 : MSAP_STATIC, &handles[i]));
+            }
+            right(session_commit(&s));
+        }
+        right(session_compare(&s));
+        right(session_close(&s));
+    }
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("giants");
+    tcase_add_loop_test(tests, giants_where_all_jumps, 0, SETUPS);
     tcase_add_loop_test(tests, a_thousand_half_spaces, 0, SETUPS);
     tcase_add_loop_test(tests, a_million_cells_that_are_there, 0, SETUPS);
     tcase_add_loop_test(tests, a_million_cells_in_space, 0, SETUPS);

@@ -533,6 +533,27 @@ START_TEST(an_emptied_world_holds_little_after_a_while)
 }
 END_TEST
 
+/* Not while there are events, which a trim would lose: it waits for a quiet commit. */
+START_TEST(an_emptied_world_keeps_its_events)
+{
+    msap_world *world = deserted_world(_i, 5);
+    const msap_pair *pairs;
+    size_t created, deleted, held;
+    int i;
+    for (i = 0; i < 300; i++) {
+        update(world, 1, i % 2 ? cube(-900, -899) : cube(-2000, 2000));
+        ok(msap_commit(world, NULL, NULL));
+        ok(msap_created(world, &pairs, &created));
+        ok(msap_deleted(world, &pairs, &deleted));
+        ck_assert_uint_ge(created + deleted, i ? 1 : 0);
+    }
+    held = stats_of(world).bytes;
+    ok(msap_commit(world, NULL, NULL));
+    ck_assert_uint_lt(stats_of(world).bytes, held);
+    ok(msap_destroy(world));
+}
+END_TEST
+
 /* Emptied and filled again many times: it never holds more than after the first. */
 START_TEST(a_world_that_is_emptied_again_and_again)
 {
@@ -621,6 +642,7 @@ int main(void)
     tcase_add_loop_test(tests, trim_at_any_time, 0, SETUPS);
     tcase_add_loop_test(tests, an_emptied_world_holds_little_after_a_trim, 0, SETUPS);
     tcase_add_loop_test(tests, an_emptied_world_holds_little_after_a_while, 0, SETUPS);
+    tcase_add_loop_test(tests, an_emptied_world_keeps_its_events, 0, SETUPS);
     tcase_add_loop_test(tests, a_world_that_is_emptied_again_and_again, 0, SETUPS);
     tcase_add_loop_test(tests, destroy_with_changes_pending, 0, SETUPS);
     tcase_add_loop_test(tests, each_world_has_its_own_allocator, 0, SETUPS);

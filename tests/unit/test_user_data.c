@@ -168,6 +168,33 @@ START_TEST(not_a_pair)
 END_TEST
 
 /* The same handle twice in one call: the last counts. */
+/* The slots are those of a pair, the boxes are others. */
+START_TEST(not_a_pair_any_more)
+{
+    msap_handle a, b, stale, h[2];
+    calls c = two_boxes(_i, &a, &b);
+    void *data = &marks[6];
+    call_commit(&c);
+    for (int i = 0; i < 2; i++) {
+        h[0] = a;
+        h[1] = b;
+        stale = h[i];
+        ok(msap_remove(c.world, stale));
+        call_commit(&c);
+        (void)add(c.world, cube(0, 1));
+        call_commit(&c);
+        refused(msap_get_pair_data(c.world, 1, &h[0], &h[1], &data), MSAP_ERROR_NOT_A_PAIR);
+        refused(msap_get_pair_data(c.world, 1, &h[1], &h[0], &data), MSAP_ERROR_NOT_A_PAIR);
+        h[i]++; /* the next generation */
+        ok(msap_get_pair_data(c.world, 1, &h[0], &h[1], &data));
+        ck_assert_ptr_eq(data, &marks[7]);
+        a = h[0];
+        b = h[1];
+    }
+    ok(msap_destroy(c.world));
+}
+END_TEST
+
 START_TEST(a_handle_twice)
 {
     msap_handle a, b, twice[2];
@@ -189,6 +216,7 @@ int main(void)
     tcase_add_loop_test(tests, pair_data_in_any_order, 0, SETUPS);
     tcase_add_loop_test(tests, pair_data_outlives_motion, 0, SETUPS);
     tcase_add_loop_test(tests, not_a_pair, 0, SETUPS);
+    tcase_add_loop_test(tests, not_a_pair_any_more, 0, SETUPS);
     tcase_add_loop_test(tests, a_handle_twice, 0, SETUPS);
     return run_case(tests, "user data");
 }
