@@ -82,7 +82,7 @@ static inline int contains(const struct bounds *outer, const struct bounds *inne
 
 static inline lanes load_floats(const char *at, ptrdiff_t step, uint32_t dims)
 {
-    if (step != sizeof(float))
+    if (step != (ptrdiff_t)sizeof(float))
         return lanes_of(load_bits(at), load_bits(at + step), dims == 3 ? load_bits(at + 2 * step) : 0);
     lanes two = _mm_loadl_epi64((const __m128i *)(const void *)at);
     return dims == 3 ? _mm_unpacklo_epi64(two, _mm_cvtsi32_si128((int)load_bits(at + 2 * sizeof(float)))) : two;

@@ -126,7 +126,7 @@ void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
 void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
                     const void *context)
 {
-    all->round++;
+    all->round = (uint16_t)(all->round + 1);
     while (all->first_noted != 0) {
         uint32_t self = all->first_noted - 1;
         struct near_list *l = &all->of[self];

@@ -70,7 +70,8 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
     }
 }
 
-/* Room for so many entries. Returns 0 without memory. */
+/* Room for so many entries, and slack behind them that can be read. Returns 0 without
+ * memory. */
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
 {
     if (entries > UINT32_MAX - ROW_SLACK) return 0;
@@ -79,6 +80,8 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
     for (size_t k = 0; k < 3; k++) {
         set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
         set->max[k] = set->min[k] + entries + ROW_SLACK;
+        memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
+        memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
     }
     set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
     return 1;
