@@ -115,6 +115,35 @@ START_TEST(a_field_that_flies_away)
 }
 END_TEST
 
+/* Grains in a row that is a billion times as long as they are: there are no more cells
+ * for it than are worth it. Each meets the next when it comes along. */
+START_TEST(grains_far_apart)
+{
+    enum { GRAINS = 400 };
+    msap_config config = config_of(3, _i);
+    msap_handle handles[GRAINS];
+    session s;
+    int i, frame;
+    right(session_open(&s, &config, 1, SCENE_HARD));
+    for (i = 0; i < GRAINS; i++) {
+        box b = box_of((float)(2500 * i), 0, 0, (float)(2500 * i) + 0.125f, 0.001f, 0.001f);
+        right(session_add(&s, &b, 0, &handles[i]));
+    }
+    right(session_commit(&s));
+    for (frame = 1; frame < 6; frame++) {
+        for (i = 0; i < GRAINS; i++) {
+            float x = (float)(2500 * (i + frame * (i % 2)));
+            box b = box_of(x, 0, 0, x + 0.125f, 0.001f, 0.001f);
+            right(session_update(&s, handles[i], &b));
+        }
+        right(session_commit(&s));
+        ck_assert_uint_le(s.memory.bytes, 16u << 20);
+    }
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
 /* ---------------------------------------------------------- falling for ever */
 
 /* On a ground of 400 static boxes 60 others walk about; the last falls through, and on,
@@ -170,6 +199,7 @@ int main(void)
     TCase *tests = tcase_create("far boxes");
     tcase_add_loop_test(tests, to_1e30_and_back, 0, SETUPS);
     tcase_add_loop_test(tests, a_field_that_flies_away, 0, SETUPS);
+    tcase_add_loop_test(tests, grains_far_apart, 0, SETUPS);
     tcase_add_loop_test(tests, a_box_that_falls_for_200000_commits, 0, SETUPS);
     tcase_add_loop_test(tests, a_box_that_falls_faster_and_faster, 0, SETUPS);
     return run_case(tests, "far boxes");

@@ -146,6 +146,36 @@ START_TEST(auto_of_a_grid)
 }
 END_TEST
 
+/* Of very many boxes a thousand jump, one by one; then 2,500 go, cell by cell. */
+START_TEST(auto_goes_by_cell)
+{
+    enum { BOXES = 9000 };
+    static msap_handle handles[BOXES];
+    msap_config config = forced(MSAP_GRID_AUTO, MSAP_STRATEGY_AUTO);
+    msap_world_stats before, after;
+    msap_world *world;
+    uint64_t random = 4;
+    int i;
+    ok(msap_create(&config, &world));
+    for (i = 0; i < BOXES; i++)
+        handles[i] = add(world, bar((float)(2 * i), (float)(2 * i + 1)));
+    commit(world, 0, 0, 0);
+    before = stats_of(world);
+    for (i = 0; i < 3000; i += 3)
+        update(world, handles[i], bar((float)random_below(&random, 3 * BOXES) - 9 * BOXES, -3 * BOXES));
+    ok(msap_commit(world, NULL, NULL));
+    after = stats_of(world);
+    ck_assert_uint_eq(after.slides, before.slides + 1);
+    ok(msap_remove_many(world, 2500, handles + 4000));
+    ok(msap_commit(world, NULL, NULL));
+    before = after;
+    after = stats_of(world);
+    ck_assert_uint_eq(after.merges, before.merges + 1);
+    ok(msap_validate(world, NULL));
+    ok(msap_destroy(world));
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("strategies");
@@ -154,5 +184,6 @@ int main(void)
     tcase_add_loop_test(tests, a_grid_can_be_forced, MSAP_STRATEGY_SLIDE, MSAP_STRATEGY_SWEEP + 1);
     tcase_add_test(tests, auto_of_a_single_sap);
     tcase_add_test(tests, auto_of_a_grid);
+    tcase_add_test(tests, auto_goes_by_cell);
     return run_case(tests, "strategies");
 }
