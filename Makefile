@@ -94,7 +94,7 @@ check: ## install what is missing, build, run all tests
 	@.ci/setup check
 	@$(MAKE) --no-print-directory test
 
-SUITES = unit differential command examples build python asan
+SUITES = unit differential command examples build corpus trust abi python asan
 
 test: ## run all tests, set nothing up
 	@passed=0; failed=0; lines=; \

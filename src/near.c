@@ -59,8 +59,8 @@ static int is_among_four(const uint32_t *entry, uint32_t other)
         _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)entry), _mm_set1_epi32((int)other));
     return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_slli_epi32(same, 1), _mm_setzero_si128())) != 0;
 #else
-    return (near_slot(entry[0]) == other) | (near_slot(entry[1]) == other) | (near_slot(entry[2]) == other) |
-           (near_slot(entry[3]) == other);
+    return near_slot(entry[0]) == other || near_slot(entry[1]) == other || near_slot(entry[2]) == other ||
+           near_slot(entry[3]) == other;
 #endif
 }
 
