@@ -461,6 +461,24 @@ START_TEST(test_trimmed_events_are_healed_by_a_snapshot)
 }
 END_TEST
 
+/* As many pairs begin as end, so that only the pairs themselves tell. */
+START_TEST(test_trimmed_events_are_noticed_though_the_number_of_pairs_is_the_same)
+{
+    msap_handle a = add_at(0), b = add_at(10);
+    add_at(0);
+    add_at(20);
+    commit_and_publish(0);
+    receive();
+    follow_all(&follower);
+    move_to(a, 30);
+    move_to(b, 20);
+    commit();
+    ck_assert_int_eq(msap_trim(world), MSAP_OK);
+    publish(0);
+    check_healed_by_snapshot(2);
+}
+END_TEST
+
 START_TEST(test_a_world_older_than_the_stream_begins_with_a_snapshot)
 {
     add_at(0);
@@ -813,6 +831,7 @@ int main(void)
     tcase_add_test(stream, test_a_commit_left_out_is_healed_by_a_snapshot);
     tcase_add_test(stream, test_a_commit_left_out_is_noticed_though_the_number_of_pairs_is_the_same);
     tcase_add_test(stream, test_trimmed_events_are_healed_by_a_snapshot);
+    tcase_add_test(stream, test_trimmed_events_are_noticed_though_the_number_of_pairs_is_the_same);
     tcase_add_test(stream, test_a_world_older_than_the_stream_begins_with_a_snapshot);
     tcase_add_test(stream, test_readers_follow_a_random_world_from_the_start_and_late);
     tcase_add_test(stream, test_what_was_sent_is_counted);
