@@ -148,7 +148,9 @@ asan test-asan: ## run the tests with the address and undefined-behaviour saniti
 PYTEST = PYTHONDONTWRITEBYTECODE=1 $(shell python3 -c 'import pytest' 2>/dev/null && echo python3 \
     || echo /usr/bin/python3) -m pytest -q -p no:cacheprovider
 
-run_each = @result=0; for program in $^; do $$program || result=1; done; exit $$result
+# Two at a time; what a program prints comes when it has ended, in one piece.
+run_each = @printf '%s\n' $^ | xargs -P 2 -I PROGRAM sh -c \
+    'said=$$(PROGRAM 2>&1); result=$$?; printf "%s\n" "$$said"; exit $$result'
 
 TO = $(DESTDIR)$(PREFIX)
 
