@@ -46,6 +46,7 @@ uint64_t pair_check(uint32_t a, uint32_t b)
     return splitmix64((low << 32 | high) + UINT64_C(0x9E3779B97F4A7C15));
 }
 
+/* The library's sort once more: these programs use the library by its interface alone. */
 static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned shift)
 {
     size_t place[256] = {0}, sum = 0;

@@ -55,7 +55,7 @@ def description(tmp_path_factory):
 @pytest.fixture(scope="session")
 def command():
     path = os.environ.get("MULTISAP")
-    if not path:
+    if not path:  # the package is also tested where only it is installed
         pytest.skip("MULTISAP does not name the command")
     return path
 

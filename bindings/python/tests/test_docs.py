@@ -42,7 +42,7 @@ def test_particles(tmp_path):
 
 
 def test_check_scene(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
+    trimesh = pytest.importorskip("trimesh")  # tests from source do without it
     assert run("check_scene.py", tmp_path) == SHOWN["check_scene.py"][1]
     scene = trimesh.Scene([trimesh.creation.box((1, 1, 1)), trimesh.creation.icosphere(radius=3)])
     scene.export(tmp_path / "scene.glb")
@@ -50,7 +50,7 @@ def test_check_scene(tmp_path):
 
 
 def test_follow_stream(tmp_path, command):
-    pytest.importorskip("lcm")
+    pytest.importorskip("lcm")  # an extra: tests from source do without it
     line = re.search(r"^multisap (stream .*)$", TEXT, re.MULTILINE).group(1)
     url, scene = re.fullmatch(r"stream --url '(.*)' (\S+)", line).groups()
     subprocess.run([command, "stream", "--url", url, str(PROJECT / scene)], cwd=tmp_path, check=True,

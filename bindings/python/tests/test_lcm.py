@@ -74,7 +74,7 @@ def test_any_bytes_are_decoded_or_refused(data, with_fingerprint):
 @pytest.fixture(scope="session")
 def generated(tmp_path_factory):
     """The message type as lcm-gen makes it."""
-    lcm = pytest.importorskip("lcm")
+    lcm = pytest.importorskip("lcm")  # an extra: tests from source do without it
     folder = tmp_path_factory.mktemp("lcm-gen")
     subprocess.run([lcm.LCM_BIN_DIR + "/lcm-gen", "--python", "--ppath", str(folder),
                     str(PROJECT / "bindings/lcm/pair_events_t.lcm")], check=True)
@@ -260,7 +260,7 @@ def test_what_a_reader_says_leads_to_what_was_published(commits, seed, loss):
 
 @pytest.fixture
 def lc():
-    lcm = pytest.importorskip("lcm")
+    lcm = pytest.importorskip("lcm")  # an extra: tests from source do without it
     return lcm.LCM("memq://")
 
 
@@ -312,13 +312,13 @@ def test_a_subscription_without_an_end(lc):
 
 
 def test_a_subscription_of_its_own():
-    pytest.importorskip("lcm")
+    pytest.importorskip("lcm")  # an extra: tests from source do without it
     with multisap.lcm.subscribe(url="memq://", timeout=0) as stream:
         assert list(stream) == []
 
 
 def test_a_log(tmp_path):
-    lcm = pytest.importorskip("lcm")
+    lcm = pytest.importorskip("lcm")  # an extra: tests from source do without it
     path, publisher = tmp_path / "events.lcmlog", Publisher()
     log = lcm.EventLog(str(path), "w")
     for active in ([A], [A, B]):
@@ -332,7 +332,7 @@ def test_a_log(tmp_path):
 
 
 def test_a_log_that_is_not_there(tmp_path):
-    pytest.importorskip("lcm")
+    pytest.importorskip("lcm")  # an extra: tests from source do without it
     with pytest.raises(OSError):
         list(multisap.lcm.read_log(tmp_path / "none.lcmlog"))
 

@@ -34,7 +34,7 @@ def test_c_gives_the_answers(path, command):
 
 @EVERY_SCENE
 def test_the_log_of_c_has_the_events_of_python(path, command, tmp_path):
-    pytest.importorskip("lcm")
+    pytest.importorskip("lcm")  # an extra: tests from source do without it
     log = tmp_path / "scene.lcmlog"
     result = subprocess.run([command, "stream", "--url", f"file://{log}?mode=w", str(path)], text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE)
