@@ -534,7 +534,21 @@ enum { ROW_SLACK = 8 }; /* entries that may be read behind the last */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
-typedef size_t (*sweep_row_fn)(const struct row_set *set, uint32_t i, uint32_t end, uint32_t *out);
+
+/* Where the sweep of a row stands: entry i is to be tested against those from j on. */
+struct row_sweep {
+    uint32_t i, j;
+};
+
+/* Pairs of ids that a sweep has found. */
+enum { MOST_ROW_PAIRS = 512 };
+struct row_pairs {
+    uint32_t a[MOST_ROW_PAIRS + 8], b[MOST_ROW_PAIRS + 8];
+    size_t n;
+};
+
+/* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. */
+typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end, struct row_pairs *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],

@@ -13,8 +13,9 @@
  * 2. The boxes are sorted by their min on that axis and written, in this order, into
  *    the rows that they touch: so every row is sorted.
  * 3. Each row is swept: from each box over those behind it until one starts after its
- *    end, eight at a time. Two boxes that meet in several rows are taken in the one
- *    that holds the higher of their low corners.
+ *    end, eight at a time. Two boxes that meet in several rows are taken where, on both
+ *    axes across, one of them starts: that is one row, unless rows wrap around so soon
+ *    that the boxes meet at both ends.
  * 4. Boxes that touch many rows are in none; each is tested against all. Where there
  *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
@@ -22,7 +23,11 @@
 #include "cells.h"
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
-#define IN_ROWS 0x80000000u /* with a slot, in a key where is_max stands: its box is in several rows */
+
+/* With a slot, in a row: its box starts there on the first or the second axis across. */
+#define STARTS_1 0x80000000u
+#define STARTS_2 0x40000000u
+#define STARTS (STARTS_1 | STARTS_2)
 
 /* The rows that a box touches. */
 struct row_range {
@@ -124,7 +129,7 @@ static size_t count_rows(struct jump *j)
             j->wide[j->n_wide++] = slot;
             continue;
         }
-        j->order[j->n++] = key_make(b->now.min[sweep_axis], rows > 1, slot);
+        j->order[j->n++] = key_make(b->now.min[sweep_axis], 0, slot);
         entries += rows;
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
             for (int32_t y = range->low[0]; y <= range->high[0]; y++) j->end[row_at(r, y, z)]++;
@@ -150,32 +155,24 @@ static void fill_rows(struct jump *j)
     const uint32_t axis[3] = {r->axis[0], r->axis[1], r->axis[2]};
     struct row_set set = j->set;
     for (size_t i = 0; i < j->n; i++) {
-        uint32_t entry = (uint32_t)j->order[i], slot = entry & ~IN_ROWS;
+        uint32_t slot = key_box(j->order[i]);
         const struct row_range *range = &j->range[slot];
         for (int32_t z = range->low[1]; z <= range->high[1]; z++)
-            for (int32_t y = range->low[0]; y <= range->high[0]; y++)
-                row_set_put(&set, j->end[row_at(r, y, z)]++, &boxes[slot].now, axis, entry);
+            for (int32_t y = range->low[0]; y <= range->high[0]; y++) {
+                uint32_t starts = (y == range->low[0] ? STARTS_1 : 0) | (z == range->low[1] ? STARTS_2 : 0);
+                row_set_put(&set, j->end[row_at(r, y, z)]++, &boxes[slot].now, axis, slot | starts);
+            }
     }
 }
 
 /* --------------------------------------------------------------- steps 3, 4 */
 
-/* Whether a row is the one in which two boxes are taken. */
-static int is_meeting_row(const struct jump *j, size_t row, uint32_t a, uint32_t b)
+/* Settles the pairs that were found in a row and are taken there. */
+static void settle_row_pairs(struct settler *s, const struct row_pairs *found)
 {
-    const int32_t *p = j->range[a].low, *q = j->range[b].low;
-    return row_at(&j->grid->rows, p[0] > q[0] ? p[0] : q[0], p[1] > q[1] ? p[1] : q[1]) == row;
-}
-
-/* Touches the boxes that entry i of a row meets behind it. */
-static void sweep_from(const struct jump *j, struct worker *w, size_t row, uint32_t i, uint32_t end)
-{
-    uint32_t entry = j->set.id[i], slot = entry & ~IN_ROWS;
-    size_t n = j->grid->sweep_row(&j->set, i, end, w->found);
-    for (size_t f = 0; f < n; f++) {
-        uint32_t other = w->found[f] & ~IN_ROWS;
-        if ((entry & w->found[f] & IN_ROWS) && !is_meeting_row(j, row, slot, other)) continue;
-        settle_found(&w->settler, slot, other);
+    for (size_t i = 0; i < found->n; i++) {
+        uint32_t a = found->a[i], b = found->b[i];
+        if (((a | b) & STARTS) == STARTS) settle_found(s, a & ~STARTS, b & ~STARTS);
     }
 }
 
@@ -183,9 +180,13 @@ static void sweep_from(const struct jump *j, struct worker *w, size_t row, uint3
 static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
+    struct row_pairs found;
     for (size_t row = first; row < last; row++) {
         uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
-        for (uint32_t i = start; i + 1 < end; i++) sweep_from(j, w, row, i, end);
+        for (struct row_sweep at = {start, start + 1}; at.i < end;) {
+            j->grid->sweep_row(&j->set, &at, end, &found);
+            settle_row_pairs(&w->settler, &found);
+        }
     }
 }
 
@@ -222,6 +223,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     enum { COMMITS = 16 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
+    if (job->boxes->used > STARTS_2) return UNSUITED; /* a slot has no bits to spare */
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;

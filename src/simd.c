@@ -90,6 +90,19 @@ static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, c
 #if defined(HAS_AVX2)
 #define LOAD256(array) _mm256_loadu_si256((const __m256i *)(const void *)(array))
 
+/* Writes those of four ids whose bits are set, and behind them what means nothing: four
+ * in all, without a branch. Returns how many they are. */
+__attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, const uint32_t *id, uint32_t found)
+{
+    static const int32_t order[16][4] = {{0}, {0}, {1}, {0, 1}, {2}, {0, 2}, {1, 2}, {0, 1, 2},
+                                         {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+    __m128 four_ids = _mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)id));
+    __m128i packed = _mm_castps_si128(
+        _mm_permutevar_ps(four_ids, _mm_loadu_si128((const __m128i *)(const void *)order[found])));
+    _mm_storeu_si128((__m128i *)(void *)out, packed);
+    return (size_t)__builtin_popcount(found);
+}
+
 __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, uint32_t first, uint32_t last,
                                                          const struct bounds *b, uint32_t *out)
 {
@@ -107,9 +120,9 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
             apart =
                 _mm256_or_si256(apart, _mm256_or_si256(below, _mm256_cmpgt_epi32(min[k], LOAD256(at->max[k]))));
         }
-        uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart));
-        for (found &= columns_in(row, first, last); found; found &= found - 1)
-            out[n++] = at->id[(uint32_t)__builtin_ctz(found)];
+        uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & columns_in(row, first, last);
+        n += put_found(out + n, at->id, found & 15);
+        n += put_found(out + n, at->id + 4, found >> 4);
     }
     return n;
 }
@@ -117,59 +130,86 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 /* ------------------------------------------------------------- sweeping rows */
 
-static size_t sweep_row_portable(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
+static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end, struct row_pairs *out)
 {
-    int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
-            max2 = s->max[2][i];
-    size_t n = 0;
-    for (uint32_t j = i + 1; j < end && s->min[0][j] <= stop; j++) {
-        out[n] = s->id[j];
-        n += !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]));
+    uint32_t i = at->i, j = at->j;
+    for (out->n = 0; i < end; i++, j = i + 1) {
+        int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
+                max2 = s->max[2][i];
+        for (; j < end && s->min[0][j] <= stop && out->n < MOST_ROW_PAIRS; j++) {
+            out->a[out->n] = s->id[i];
+            out->b[out->n] = s->id[j];
+            out->n += !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) |
+                        (min2 > s->max[2][j]));
+        }
+        if (out->n == MOST_ROW_PAIRS) break;
     }
-    return n;
+    at->i = i;
+    at->j = j;
 }
 
 #if defined(HAS_FOUR)
-static size_t sweep_row_fours(const struct row_set *s, uint32_t i, uint32_t end, uint32_t *out)
+static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint32_t end, struct row_pairs *out)
 {
-    four stop = four_of(s->max[0][i]);
-    four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
-    four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
+    uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (uint32_t j = i + 1; j < end; j += 4) {
-        four_mask past = above(four_at(s->min[0] + j), stop);
-        four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
-        four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
-        uint32_t found = ~bits_of(either(past, either(y, z))) & 15;
-        if (end - j < 4) found &= (1u << (end - j)) - 1;
-        for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
-        if (bits_of(past)) break;
+    for (; i < end; i++, j = i + 1) {
+        uint32_t found, is_past = 0;
+        four stop = four_of(s->max[0][i]);
+        four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
+        four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
+        for (; j < end && !is_past && n <= MOST_ROW_PAIRS - 4; j += 4) {
+            four_mask past = above(four_at(s->min[0] + j), stop);
+            four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
+            four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
+            found = ~bits_of(either(past, either(y, z))) & 15;
+            is_past = bits_of(past);
+            if (end - j < 4) found &= (1u << (end - j)) - 1;
+            for (; found; found &= found - 1) {
+                out->a[n] = s->id[i];
+                out->b[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
+            }
+        }
+        if (j < end && !is_past) break;
     }
-    return n;
+    at->i = i;
+    at->j = j;
+    out->n = n;
 }
 #endif
 
 #if defined(HAS_AVX2)
-__attribute__((target("avx2"))) static size_t sweep_row_avx2(const struct row_set *s, uint32_t i, uint32_t end,
-                                                             uint32_t *out)
+__attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set *s, struct row_sweep *at,
+                                                           uint32_t end, struct row_pairs *out)
 {
-    __m256i stop = _mm256_set1_epi32(s->max[0][i]);
-    __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
-    __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
+    uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (uint32_t j = i + 1; j < end; j += 8) {
-        __m256i past = _mm256_cmpgt_epi32(LOAD256(s->min[0] + j), stop);
-        __m256i apart1 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[1] + j), max1),
-                                         _mm256_cmpgt_epi32(min1, LOAD256(s->max[1] + j)));
-        __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2] + j), max2),
-                                         _mm256_cmpgt_epi32(min2, LOAD256(s->max[2] + j)));
-        __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2));
-        uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & 255;
-        if (end - j < 8) found &= (1u << (end - j)) - 1;
-        for (; found; found &= found - 1) out[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
-        if (_mm256_movemask_ps(_mm256_castsi256_ps(past))) break;
+    for (; i < end; i++, j = i + 1) {
+        uint32_t is_past = 0;
+        __m128i self = _mm_set1_epi32((int32_t)s->id[i]);
+        __m256i stop = _mm256_set1_epi32(s->max[0][i]);
+        __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
+        __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
+        for (; j < end && !is_past && n <= MOST_ROW_PAIRS - 8; j += 8) {
+            __m256i past = _mm256_cmpgt_epi32(LOAD256(s->min[0] + j), stop);
+            __m256i apart1 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[1] + j), max1),
+                                             _mm256_cmpgt_epi32(min1, LOAD256(s->max[1] + j)));
+            __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2] + j), max2),
+                                             _mm256_cmpgt_epi32(min2, LOAD256(s->max[2] + j)));
+            __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2));
+            uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & 255;
+            is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
+            if (end - j < 8) found &= (1u << (end - j)) - 1;
+            for (uint32_t half = 0; half < 8; half += 4) {
+                _mm_storeu_si128((__m128i *)(void *)(out->a + n), self);
+                n += put_found(out->b + n, s->id + j + half, found >> half & 15);
+            }
+        }
+        if (j < end && !is_past) break;
     }
-    return n;
+    at->i = i;
+    at->j = j;
+    out->n = n;
 }
 #endif
 
