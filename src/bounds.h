@@ -57,6 +57,15 @@ typedef __m128i lanes;
 
 static inline lanes load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
 
+static inline void set_four(uint32_t *to, uint32_t value)
+{
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_set1_epi32((int32_t)value));
+}
+static inline void copy_four(uint32_t *to, const uint32_t *from)
+{
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_loadu_si128((const __m128i *)(const void *)from));
+}
+
 static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
 {
     return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);
@@ -114,6 +123,9 @@ static inline int encode(lanes min, lanes max, struct bounds *out)
 }
 
 #else
+
+static inline void set_four(uint32_t *to, uint32_t value) { to[0] = to[1] = to[2] = to[3] = value; }
+static inline void copy_four(uint32_t *to, const uint32_t *from) { memcpy(to, from, 4 * sizeof *to); }
 
 typedef struct {
     uint32_t at[3];

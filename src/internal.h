@@ -372,6 +372,14 @@ struct crew {
     void *jobs_user;
 };
 
+/* Pairs on their way from where they are found to where they are settled: in between,
+ * nothing depends on how many belong to one box, which no processor can guess. */
+enum { MOST_BUFFERED = 512, BUFFER_SLACK = 8 /* what may be written behind the last */ };
+struct pair_buffer {
+    uint32_t a[MOST_BUFFERED + BUFFER_SLACK], b[MOST_BUFFERED + BUFFER_SLACK];
+    size_t n;
+};
+
 /* Works on items first ... last - 1. */
 typedef void (*phase_fn)(void *context, struct worker *w, size_t first, size_t last);
 void msap_crew_init(struct crew *crew, const msap_config *config);
@@ -540,15 +548,8 @@ struct row_sweep {
     uint32_t i, j;
 };
 
-/* Pairs of ids that a sweep has found. */
-enum { MOST_ROW_PAIRS = 512 };
-struct row_pairs {
-    uint32_t a[MOST_ROW_PAIRS + 8], b[MOST_ROW_PAIRS + 8];
-    size_t n;
-};
-
 /* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. */
-typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end, struct row_pairs *out);
+typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],

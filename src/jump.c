@@ -168,7 +168,7 @@ static void fill_rows(struct jump *j)
 /* --------------------------------------------------------------- steps 3, 4 */
 
 /* Settles the pairs that were found in a row and are taken there. */
-static void settle_row_pairs(struct settler *s, const struct row_pairs *found)
+static void settle_row_pairs(struct settler *s, const struct pair_buffer *found)
 {
     for (size_t i = 0; i < found->n; i++) {
         uint32_t a = found->a[i], b = found->b[i];
@@ -180,7 +180,7 @@ static void settle_row_pairs(struct settler *s, const struct row_pairs *found)
 static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    struct row_pairs found;
+    struct pair_buffer found;
     for (size_t row = first; row < last; row++) {
         uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
         for (struct row_sweep at = {start, start + 1}; at.i < end;) {

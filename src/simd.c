@@ -130,26 +130,26 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 /* ------------------------------------------------------------- sweeping rows */
 
-static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end, struct row_pairs *out)
+static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end, struct pair_buffer *out)
 {
     uint32_t i = at->i, j = at->j;
     for (out->n = 0; i < end; i++, j = i + 1) {
         int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
                 max2 = s->max[2][i];
-        for (; j < end && s->min[0][j] <= stop && out->n < MOST_ROW_PAIRS; j++) {
+        for (; j < end && s->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
             out->a[out->n] = s->id[i];
             out->b[out->n] = s->id[j];
             out->n += !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) |
                         (min2 > s->max[2][j]));
         }
-        if (out->n == MOST_ROW_PAIRS) break;
+        if (out->n == MOST_BUFFERED) break;
     }
     at->i = i;
     at->j = j;
 }
 
 #if defined(HAS_FOUR)
-static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint32_t end, struct row_pairs *out)
+static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint32_t end, struct pair_buffer *out)
 {
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
@@ -158,7 +158,7 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint3
         four stop = four_of(s->max[0][i]);
         four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
         four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
-        for (; j < end && !is_past && n <= MOST_ROW_PAIRS - 4; j += 4) {
+        for (; j < end && !is_past && n <= MOST_BUFFERED - 4; j += 4) {
             four_mask past = above(four_at(s->min[0] + j), stop);
             four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
             four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
@@ -180,7 +180,7 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint3
 
 #if defined(HAS_AVX2)
 __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set *s, struct row_sweep *at,
-                                                           uint32_t end, struct row_pairs *out)
+                                                           uint32_t end, struct pair_buffer *out)
 {
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
@@ -190,7 +190,7 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
         __m256i stop = _mm256_set1_epi32(s->max[0][i]);
         __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
         __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
-        for (; j < end && !is_past && n <= MOST_ROW_PAIRS - 8; j += 8) {
+        for (; j < end && !is_past && n <= MOST_BUFFERED - 8; j += 8) {
             __m256i past = _mm256_cmpgt_epi32(LOAD256(s->min[0] + j), stop);
             __m256i apart1 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[1] + j), max1),
                                              _mm256_cmpgt_epi32(min1, LOAD256(s->max[1] + j)));

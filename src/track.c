@@ -201,20 +201,42 @@ static int is_near(const void *context, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ step 5 */
 
-/* The pairs of a box with neighbours above. */
-static inline void touch_above(struct worker *w, const struct near_list *l, uint32_t slot)
+/* The pairs of boxes with neighbours above. */
+static void settle_above(struct settler *s, const struct pair_buffer *p, size_t n)
 {
-    const uint32_t *entry = l->at;
-    size_t n = l->n_above;
-    w->settler.touched += n;
-    for (size_t i = 0; i < n; i++) settle_near(&w->settler, slot, near_slot(entry[i]), entry[i] >> 31);
+    s->touched += n;
+    for (size_t i = 0; i < n; i++) settle_near(s, p->a[i], near_slot(p->b[i]), p->b[i] >> 31);
+}
+
+/* Appends the pairs of a box with neighbours above to the n that are buffered: four at a
+ * time, whether or not there are as many, since a list has room for fours. Returns how
+ * many are buffered then. */
+static inline size_t buffer_above(struct settler *s, struct pair_buffer *p, size_t n, uint32_t slot,
+                                  const struct near_list *l)
+{
+    for (uint32_t i = 0; l->at; i += 4) {
+        uint32_t left = l->n_above - i;
+        set_four(p->a + n, slot);
+        copy_four(p->b + n, l->at + i);
+        n += left < 4 ? left : 4;
+        if (n >= MOST_BUFFERED) {
+            settle_above(s, p, n);
+            n = 0;
+        }
+        if (left <= 4) break;
+    }
+    return n;
 }
 
 /* Every pair once, from the lower box, whether or not a box of it changed. */
 static void touch_all(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct tracking *t = context;
-    for (uint32_t slot = (uint32_t)first; slot < last; slot++) touch_above(w, &t->grid->near.of[slot], slot);
+    const struct near_list *of = ((const struct tracking *)context)->grid->near.of;
+    struct pair_buffer above;
+    size_t n = 0;
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++)
+        n = buffer_above(&w->settler, &above, n, slot, &of[slot]);
+    settle_above(&w->settler, &above, n);
 }
 
 /* Every pair of a changed box; of two changed boxes from the lower one. */
@@ -222,13 +244,16 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
 {
     const struct tracking *t = context;
     const struct box *boxes = t->job->boxes->at;
+    struct pair_buffer above;
+    size_t n = 0;
     for (size_t c = first; c < last; c++) {
         uint32_t slot = t->slot[c];
         const struct near_list *l = &t->grid->near.of[slot];
-        touch_above(w, l, slot);
+        n = buffer_above(&w->settler, &above, n, slot, l);
         for (uint32_t i = l->n_above; i < l->n; i++)
             if (!(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
     }
+    settle_above(&w->settler, &above, n);
 }
 
 static int touch_neighbours(struct grid *g, struct job *job)
