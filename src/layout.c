@@ -37,7 +37,7 @@ static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code)
 /* Looks at up to SAMPLES finite boxes. */
 static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
 {
-    uint64_t size[SAMPLES], centre[SAMPLES];
+    uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
     size_t n = 0, step = boxes->used / SAMPLES + 1;
     for (size_t slot = 0; slot < boxes->used && n < SAMPLES; slot += step) {
         const struct box *b = &boxes->at[slot];
@@ -48,8 +48,8 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
     }
     s->size = s->extent = 0;
     if (n == 0) return;
-    msap_sort_keys(size, n, NULL);
-    msap_sort_keys(centre, n, NULL);
+    msap_sort_keys(size, n, scratch);
+    msap_sort_keys(centre, n, scratch);
     s->size = unsorted(size[n - 1 - n / 4]);
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }

@@ -51,26 +51,32 @@ int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_
     return put(all, m, low, is_pair ? high | NEAR_PAIR : high) && put(all, m, high, low);
 }
 
-/* Whether one of four entries is for `other`. */
-static int is_among_four(const uint32_t *entry, uint32_t other)
+/* The index of the one of the first n <= 4 of four entries that is for `other`, or 4. */
+static inline uint32_t find_in_four(const uint32_t *entry, uint32_t n, uint32_t other)
 {
 #if defined(__SSE2__)
     __m128i same =
         _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)entry), _mm_set1_epi32((int)other));
-    return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_slli_epi32(same, 1), _mm_setzero_si128())) != 0;
+    same = _mm_cmpeq_epi32(_mm_slli_epi32(same, 1), _mm_setzero_si128());
+    unsigned found = (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same)) & ((1u << n) - 1);
+    return found ? (uint32_t)__builtin_ctz(found) : 4;
 #else
-    return near_slot(entry[0]) == other || near_slot(entry[1]) == other || near_slot(entry[2]) == other ||
-           near_slot(entry[3]) == other;
+    uint32_t i = 0;
+    while (i < n && near_slot(entry[i]) != other) i++;
+    return i < n ? i : 4;
 #endif
 }
 
-/* The index of the entry for `other` in the list of `self`, or l->n. */
+/* The index of the entry for `other` in the list of `self`, or l->n. Fours are read whole:
+ * a list has room for them. */
 static uint32_t find(const struct near_list *l, uint32_t self, uint32_t other)
 {
-    uint32_t i = other > self ? 0 : l->n_above, end = other > self ? l->n_above : l->n;
-    while (i + 4 <= end && !is_among_four(l->at + i, other)) i += 4;
-    while (i < end && near_slot(l->at[i]) != other) i++;
-    return i < end ? i : l->n;
+    uint32_t end = other > self ? l->n_above : l->n;
+    for (uint32_t i = other > self ? 0 : l->n_above & ~3u; i < end; i += 4) {
+        uint32_t left = end - i, at = find_in_four(l->at + i, left < 4 ? left : 4, other);
+        if (at < 4) return i + at;
+    }
+    return l->n;
 }
 
 /* Notes that two boxes, if they are neighbours, have become a pair or have ceased to be

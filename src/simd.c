@@ -11,10 +11,8 @@
 /* The columns of a block of rows from `block` on that are among first ... last - 1. */
 static inline uint32_t columns_in(uint32_t block, uint32_t first, uint32_t last)
 {
-    uint32_t columns = 255;
-    if (first > block) columns &= 255u << (first - block);
-    if (last - block < 8) columns &= (1u << (last - block)) - 1;
-    return columns;
+    uint32_t before = first > block ? first - block : 0, left = last - block < 8 ? last - block : 8;
+    return 255u << before & 255u >> (8 - left);
 }
 
 static size_t sweep_portable(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
