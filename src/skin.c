@@ -36,25 +36,81 @@ static void learn(struct place *p, uint32_t age, uint32_t vain)
     p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
 }
 
-static float magnitude(float x) { return x < 0 ? -x : x; }
-static float larger(float a, float b) { return a > b ? a : b; }
 static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_ordered(ordered)); }
 
-/* Encoded, but never as a NaN. */
-static int32_t ordered_of(float value)
+/* ------------------------------------------------------------------ motion */
+
+/* How the box moved in this commit: its bounds, and how far they went down and up.
+ * Infinite bounds make NaNs of what depends on them. */
+#if defined(__SSE2__)
+
+struct motion {
+    __m128 low, high, down, up;
+    float size, step; /* the largest of all axes */
+};
+
+/* The three floats of ordered integers, and behind them a 0. */
+static inline __m128 three_values(const int32_t *ordered)
 {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    int32_t ordered = ordered_from_float_bits(bits);
-    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
-    return ordered > ORDERED_INF ? ORDERED_INF : ordered;
+    __m128i bits = load_bounds(ordered);
+    bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+    return _mm_castsi128_ps(_mm_and_si128(bits, _mm_set_epi32(0, -1, -1, -1)));
 }
 
-/* How the box moved in this commit. Infinite bounds make NaNs of what depends on them. */
+static inline float largest(__m128 v)
+{
+    v = _mm_max_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 0, 3, 2)));
+    return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
+}
+
+static struct motion motion_of(const struct box *b)
+{
+    struct motion m;
+    const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
+    m.low = three_values(b->now.min);
+    m.high = three_values(b->now.max);
+    m.down = _mm_sub_ps(m.low, three_values(b->before.min));
+    m.up = _mm_sub_ps(m.high, three_values(b->before.max));
+    m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
+    m.step = largest(_mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
+    return m;
+}
+
+static inline __m128i choose(__m128i which, __m128i a, __m128i b)
+{
+    return _mm_or_si128(_mm_and_si128(which, a), _mm_andnot_si128(which, b));
+}
+
+/* Encoded, but never as a NaN. */
+static inline __m128i three_ordered(__m128 values)
+{
+    const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
+    __m128i ordered = encode_lanes(_mm_castps_si128(values));
+    ordered = choose(_mm_cmpgt_epi32(ordered, most), most, ordered);
+    return choose(_mm_cmpgt_epi32(least, ordered), least, ordered);
+}
+
+/* Widens the fat bounds for so many commits, and by `aside` on both sides. */
+static void reach_out(struct place *p, const struct motion *m, float horizon, float aside)
+{
+    const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
+    __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
+    __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
+    __m128i min = three_ordered(low), max = three_ordered(high);
+    __m128i old_min = load_bounds(p->fat.min), old_max = load_bounds(p->fat.max);
+    store_lanes(p->fat.min, choose(_mm_cmpgt_epi32(old_min, min), min, old_min));
+    store_lanes(p->fat.max, choose(_mm_cmpgt_epi32(max, old_max), max, old_max));
+}
+
+#else
+
 struct motion {
-    float low[3], high[3], down[3], up[3]; /* bounds, and how far they went */
-    float size, step;                      /* the largest of all axes */
+    float low[3], high[3], down[3], up[3];
+    float size, step; /* the largest of all axes */
 };
+
+static float larger(float a, float b) { return a > b ? a : b; }
+static float magnitude(float x) { return x < 0 ? -x : x; }
 
 static struct motion motion_of(const struct box *b)
 {
@@ -66,10 +122,33 @@ static struct motion motion_of(const struct box *b)
         m.down[k] = m.low[k] - value_of(b->before.min[k]);
         m.up[k] = m.high[k] - value_of(b->before.max[k]);
         m.size = larger(m.high[k] - m.low[k], m.size);
-        m.step = larger(larger(magnitude(m.down[k]), magnitude(m.up[k])), m.step);
+        m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }
     return m;
 }
+
+/* Encoded, but never as a NaN. */
+static int32_t ordered_of(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    int32_t ordered = ordered_from_float_bits(bits);
+    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
+    return ordered > ORDERED_INF ? ORDERED_INF : ordered;
+}
+
+/* Widens the fat bounds for so many commits, and by `aside` on both sides. */
+static void reach_out(struct place *p, const struct motion *m, float horizon, float aside)
+{
+    for (int k = 0; k < 3; k++) {
+        int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
+        int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
+        if (min < p->fat.min[k]) p->fat.min[k] = min;
+        if (max > p->fat.max[k]) p->fat.max[k] = max;
+    }
+}
+
+#endif
 
 /* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
  * leave their skins in one commit. */
@@ -85,14 +164,7 @@ static float reach(const struct motion *m, float most)
     return m->step * most <= m->size ? most : m->size / m->step;
 }
 
-/* Widens the fat bounds on one axis for so many commits, and by `aside` on both sides. */
-static void reach_out(struct place *p, const struct motion *m, int k, float horizon, float aside)
-{
-    int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
-    int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
-    if (min < p->fat.min[k]) p->fat.min[k] = min;
-    if (max > p->fat.max[k]) p->fat.max[k] = max;
-}
+/* ------------------------------------------------------------------- skins */
 
 /* Gives a box that has left its skin in this commit a new one. */
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
@@ -109,7 +181,7 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     if (!(horizon >= HORIZON_LEAST && m.size < FAR)) return;
     p->horizon = (uint8_t)horizon;
     horizon *= spread(slot, g->commit);
-    for (int k = 0; k < 3; k++) reach_out(p, &m, k, horizon, m.step * horizon * (float)p->wobble / 8);
+    reach_out(p, &m, horizon, m.step * horizon * (float)p->wobble / 8);
 }
 
 /* Whether the fat bounds are far wider on every axis than any skin is made. */
@@ -147,5 +219,5 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
     if (b->flags & BOX_STATIC) return;
     struct motion m = motion_of(b);
     float aside = m.size * (spread(slot, g->commit) - 0.5f) / 4;
-    for (int k = 0; k < 3 && aside < FAR; k++) reach_out(p, &m, k, 0, aside);
+    if (aside < FAR) reach_out(p, &m, 0, aside);
 }
