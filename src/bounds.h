@@ -66,6 +66,14 @@ static inline void copy_four(uint32_t *to, const uint32_t *from)
     _mm_storeu_si128((__m128i *)(void *)to, _mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
+/* self << 32 | other[i], for four. */
+static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *other)
+{
+    lanes low = _mm_loadu_si128((const __m128i *)(const void *)other), high = _mm_set1_epi32((int32_t)self);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi32(low, high));
+    _mm_storeu_si128((__m128i *)(void *)(to + 2), _mm_unpackhi_epi32(low, high));
+}
+
 static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
 {
     return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);
@@ -126,6 +134,10 @@ static inline int encode(lanes min, lanes max, struct bounds *out)
 
 static inline void set_four(uint32_t *to, uint32_t value) { to[0] = to[1] = to[2] = to[3] = value; }
 static inline void copy_four(uint32_t *to, const uint32_t *from) { memcpy(to, from, 4 * sizeof *to); }
+static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *other)
+{
+    for (int i = 0; i < 4; i++) to[i] = (uint64_t)self << 32 | other[i];
+}
 
 typedef struct {
     uint32_t at[3];

@@ -181,8 +181,8 @@ static void query_cells(const struct grid *g, struct worker *w, struct cell_walk
 }
 
 /* Writes, behind each other as pairs with `self`, the boxes on levels from `first` to
- * `last` - 1 whose fat bounds overlap those of `self`; for a static box, those that are not
- * static. A box that is met in several cells is written several times. */
+ * `last` - 1 whose fat bounds overlap those of `self`, itself among them; for a static box,
+ * those that are not static. A box that is met in several cells is written several times. */
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last)
 {

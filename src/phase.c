@@ -175,15 +175,12 @@ void msap_worker_put(struct worker *w, uint64_t key)
     if (has_room(w, 1)) w->pairs.at[w->pairs.n++] = key;
 }
 
-/* Appends the pairs of a slot with the first n that a sweep has found, but for itself. */
+/* Appends the pairs of a slot with the first n that a sweep has found: four at a time,
+ * whether or not there are as many. */
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
 {
-    if (n == 0 || !has_room(w, n)) return;
-    uint64_t *pair = w->pairs.at;
-    size_t at = w->pairs.n;
-    for (size_t i = 0; i < n; i++) {
-        pair[at] = (uint64_t)self << 32 | w->found[i];
-        at += w->found[i] != self;
-    }
-    w->pairs.n = at;
+    if (!has_room(w, n + 4)) return;
+    uint64_t *pair = w->pairs.at + w->pairs.n;
+    for (size_t i = 0; i < n; i += 4) pairs_of_four(pair + i, self, w->found + i);
+    w->pairs.n += n;
 }

@@ -80,11 +80,12 @@ static void leave(struct grid *g, const struct job *job, uint32_t slot)
     msap_near_drop(&g->near, job->memory, slot);
 }
 
-/* How many neighbours of a box it does not overlap. */
+/* How many neighbours of a box it does not overlap: those above as of the last commit. */
 static uint32_t count_vain(const struct near_list *l, const struct box *boxes, uint32_t slot)
 {
     uint32_t vain = 0;
-    for (uint32_t i = 0; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[near_slot(l->at[i])].now);
+    for (uint32_t i = 0; i < l->n_above; i++) vain += !(l->at[i] & NEAR_PAIR);
+    for (uint32_t i = l->n_above; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
     return vain;
 }
 
@@ -161,12 +162,14 @@ static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
     return msap_near_join(&g->near, job->memory, a, b, were_pair(&boxes[a], &boxes[b]));
 }
 
-/* Makes the list of a box what was found for it: keys first ... last - 1 of those found. */
-static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const struct keys *found, size_t first,
-                      size_t last)
+/* Makes the list of a box what was found for it: the keys from *at on that name it, which
+ * *at is left behind. */
+static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const struct keys *found, size_t *at)
 {
+    size_t first = *at, last = first;
     msap_grid_new_token(g);
-    for (size_t i = first; i < last; i++) g->tag[(uint32_t)found->at[i]] = g->token;
+    for (; last < found->n && found->at[last] >> 32 == slot; last++) g->tag[(uint32_t)found->at[last]] = g->token;
+    g->tag[slot] = g->token + 1; /* it finds itself */
     part_from_old(g, job, slot);
     for (size_t i = first; i < last; i++) {
         uint32_t other = (uint32_t)found->at[i];
@@ -174,6 +177,7 @@ static int renew_list(struct grid *g, const struct job *job, uint32_t slot, cons
         g->tag[other] = g->token + 1;
         if (!join(g, job, slot, other)) return 0;
     }
+    *at = last;
     return 1;
 }
 
@@ -183,12 +187,8 @@ static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, si
     struct tracking t = {g, job, slot};
     found->n = 0;
     if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
-    for (size_t i = 0, at = 0; i < n; i++) {
-        size_t end = at;
-        while (end < found->n && found->at[end] >> 32 == slot[i]) end++;
-        if (!renew_list(g, job, slot[i], found, at, end)) return 0;
-        at = end;
-    }
+    for (size_t i = 0, at = 0; i < n; i++)
+        if (!renew_list(g, job, slot[i], found, &at)) return 0;
     return 1;
 }
 
