@@ -333,10 +333,36 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }
 
+/* Notes n events of one lower box in its list: many in one walk. */
+static void note_events_of_one(struct grid *g, const uint64_t *event, size_t n, int is_pair)
+{
+    enum { MANY = 4 };
+    if (n < MANY) {
+        for (size_t i = 0; i < n; i++) msap_near_mark(&g->near, event[i], is_pair);
+        return;
+    }
+    struct near_list *l = &g->near.of[event[0] >> 32];
+    msap_grid_new_token(g);
+    for (size_t i = 0; i < n; i++) g->tag[(uint32_t)event[i]] = g->token;
+    for (uint32_t i = 0; i < l->n_above; i++) {
+        uint32_t other = near_slot(l->at[i]);
+        if (g->tag[other] == g->token) l->at[i] = is_pair ? other | NEAR_PAIR : other;
+    }
+}
+
+static void note_events(struct grid *g, const struct keys *events, int is_pair)
+{
+    for (size_t first = 0, last; first < events->n; first = last) {
+        uint64_t low = events->at[first] >> 32;
+        for (last = first + 1; last < events->n && events->at[last] >> 32 == low; last++) continue;
+        note_events_of_one(g, events->at + first, last - first, is_pair);
+    }
+}
+
 /* The events of a commit that succeeded: lists are to know the pairs. */
 void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed)
 {
     if (!g->is_tracking) return;
-    for (size_t i = 0; i < fresh->n; i++) msap_near_mark(&g->near, fresh->at[i], 1);
-    for (size_t i = 0; i < doomed->n; i++) msap_near_mark(&g->near, doomed->at[i], 0);
+    note_events(g, fresh, 1);
+    note_events(g, doomed, 0);
 }
