@@ -628,11 +628,16 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
 int msap_skin_is_far_wider(const struct place *p, const struct box *b, const struct grid *g);
 float msap_skin_lifetime(const struct box *b);
 
-/* Whether the box has shrunk so much in its skin that it needs a new one. Asked only of
- * skins that are older than any is made for. */
+/* Whether a skin is older than any is made for, as first ones are from the start. */
+static inline int skin_is_old(const struct place *p, const struct grid *g)
+{
+    return g->commit - p->since > HORIZON_MOST;
+}
+
+/* Whether the box has shrunk so much in its skin that it needs a new one. */
 static inline int skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g)
 {
-    return g->commit - p->since > HORIZON_MOST && msap_skin_is_far_wider(p, b, g);
+    return skin_is_old(p, g) && msap_skin_is_far_wider(p, b, g);
 }
 
 /* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */

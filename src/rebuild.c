@@ -36,6 +36,13 @@ static uint32_t is_static(const struct rebuild *r, size_t slot)
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
+/* Whether a box has left its skin or, since that costs little now, soon will. */
+static int needs_skin(const struct grid *g, const struct place *p, const struct box *b)
+{
+    if (!contains(&p->fat, &b->now) || skin_is_baggy(p, b, g)) return 1;
+    return skin_is_old(p, g) && (b->flags & BOX_CHANGED);
+}
+
 /* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. */
 static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
@@ -47,8 +54,7 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         const struct box *b = &r->job->boxes->at[slot];
         if (!is_live(r, slot)) continue;
         if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
-        else if (!contains(&p->fat, &b->now) || skin_is_baggy(p, b, g))
-            msap_skin_renew(p, b, g, (uint32_t)slot, 0);
+        else if (needs_skin(g, p, b)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
         struct range base = range_of(r->layout, &p->fat);
         p->layout = (uint8_t)g->current;
         p->level = (uint8_t)msap_level_for(base);

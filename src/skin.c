@@ -166,6 +166,16 @@ static float reach(const struct motion *m, float most)
 
 /* ------------------------------------------------------------------- skins */
 
+/* Makes the skin for a box's motion. */
+static void follow(struct place *p, const struct motion *m, float part)
+{
+    float horizon = reach(m, p->horizon);
+    if (!(horizon >= HORIZON_LEAST && m->size < FAR)) return;
+    p->horizon = (uint8_t)horizon;
+    horizon *= part;
+    reach_out(p, m, horizon, m->step * horizon * (float)p->wobble / 8);
+}
+
 /* Gives a box that has left its skin in this commit a new one. */
 void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
 {
@@ -177,11 +187,7 @@ void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g,
     learn(p, g->commit - p->since, vain);
     p->since = g->commit;
     p->fat = b->now;
-    float horizon = reach(&m, p->horizon);
-    if (!(horizon >= HORIZON_LEAST && m.size < FAR)) return;
-    p->horizon = (uint8_t)horizon;
-    horizon *= spread(slot, g->commit);
-    reach_out(p, &m, horizon, m.step * horizon * (float)p->wobble / 8);
+    follow(p, &m, spread(slot, g->commit));
 }
 
 /* Whether the fat bounds are far wider on every axis than any skin is made. */
@@ -205,7 +211,8 @@ float msap_skin_lifetime(const struct box *b)
 }
 
 /* A box that comes into the grid has no past to learn from. Unless a margin is given or
- * it is static it gets up to an eighth of its size on all sides. */
+ * it is static, it gets a skin for its motion or, if it has none yet, up to an eighth of
+ * its size on all sides. */
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
 {
     p->horizon = HORIZON_FIRST;
@@ -218,6 +225,7 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
     p->fat = b->now;
     if (b->flags & BOX_STATIC) return;
     struct motion m = motion_of(b);
-    float aside = m.size * (spread(slot, g->commit) - 0.5f) / 4;
-    if (aside < FAR) reach_out(p, &m, 0, aside);
+    float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 4;
+    if (m.step > 0) follow(p, &m, part);
+    else if (aside < FAR) reach_out(p, &m, 0, aside);
 }
