@@ -17,6 +17,16 @@
 #include <emmintrin.h>
 #endif
 
+/* Asks for memory that will soon be read. */
+static inline void prefetch(const void *at)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(at);
+#else
+    (void)at;
+#endif
+}
+
 /* Bounds as integers of the same order as the floats, -0 being +0; in 2D worlds
  * min[2] = max[2] = 0. */
 struct bounds {

@@ -22,6 +22,8 @@
  * all cells and lists are made anew (rebuild.c), else nothing is kept (jump.c). */
 #include "cells.h"
 
+enum { AHEAD = 8 };
+
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
 /* ---------------------------------------------------------- steps 1 and 2 */
@@ -41,6 +43,8 @@ static size_t misplaced_first(const struct grid *g, const struct box_table *t)
     size_t n = 0, n_changed = t->n_changed;
     for (size_t i = 0; i < n_changed; i++) {
         uint32_t slot = changed[i];
+        prefetch(&g->near.of[slot]);
+        if (i + AHEAD < n_changed) prefetch(&g->place[changed[i + AHEAD]]);
         if (!is_misplaced(g, &boxes[slot], slot)) continue;
         changed[i] = changed[n];
         changed[n++] = slot;
@@ -249,6 +253,7 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
     for (size_t c = first; c < last; c++) {
         uint32_t slot = t->slot[c];
         const struct near_list *l = &t->grid->near.of[slot];
+        if (c + AHEAD < last) prefetch(t->grid->near.of[t->slot[c + AHEAD]].at);
         n = buffer_above(&w->settler, &above, n, slot, l);
         for (uint32_t i = l->n_above; i < l->n; i++)
             if (!(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
