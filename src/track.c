@@ -110,21 +110,20 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     return msap_grid_put(g, job->memory, slot, is_static(b), base);
 }
 
-/* For the first n changed boxes; *gone of them, which are put first, have left. */
-static int place_misplaced(struct grid *g, const struct job *job, size_t n, size_t *gone)
+/* Of the first n changed boxes, those that were removed leave, and are put first.
+ * Returns how many they are. */
+static size_t leave_first(struct grid *g, const struct job *job, size_t n)
 {
     const struct box_table *t = job->boxes;
-    *gone = 0;
+    size_t gone = 0;
     for (size_t i = 0; i < n; i++) {
         uint32_t slot = t->changed[i];
         if (t->at[slot].flags & BOX_LIVE) continue;
         leave(g, job, slot);
-        t->changed[i] = t->changed[*gone];
-        t->changed[(*gone)++] = slot;
+        t->changed[i] = t->changed[gone];
+        t->changed[gone++] = slot;
     }
-    for (size_t i = *gone; i < n; i++)
-        if (!relocate(g, job, t->changed[i])) return 0;
-    return 1;
+    return gone;
 }
 
 /* ---------------------------------------------------------- steps 3 and 4 */
@@ -185,22 +184,26 @@ static int renew_list(struct grid *g, const struct job *job, uint32_t slot, cons
     return 1;
 }
 
-static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
-{
-    struct keys *found = &job->crew->worker[0].pairs;
-    struct tracking t = {g, job, slot};
-    found->n = 0;
-    if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
-    for (size_t i = 0, at = 0; i < n; i++)
-        if (!renew_list(g, job, slot[i], found, &at)) return 0;
-    return 1;
-}
-
 /* Whether two boxes are neighbours by their fat bounds. */
 static int is_near(const void *context, uint32_t a, uint32_t b)
 {
     const struct grid *g = context;
     return g->place[b].level != NO_LEVEL && overlap(&g->place[a].fat, &g->place[b].fat);
+}
+
+/* Steps 2 to 4 for n slots. */
+static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
+{
+    struct keys *found = &job->crew->worker[0].pairs;
+    struct tracking t = {g, job, slot};
+    found->n = 0;
+    for (size_t i = 0; i < n; i++)
+        if (!relocate(g, job, slot[i])) return 0;
+    if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
+    for (size_t i = 0, at = 0; i < n; i++)
+        if (!renew_list(g, job, slot[i], found, &at)) return 0;
+    msap_near_tidy(&g->near, is_near, g);
+    return 1;
 }
 
 /* ------------------------------------------------------------------ step 5 */
@@ -298,13 +301,18 @@ static int is_jumpy(const struct box_table *t)
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
-    size_t gone;
+    enum { FEW = 32 }; /* boxes whose cells are still in the cache when they are asked */
+    const uint32_t *changed = job->boxes->changed;
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     if (by_cell) order_by_cell(g, job, misplaced);
-    if (!place_misplaced(g, job, misplaced, &gone)) return 0;
     g->moves = misplaced;
-    if (!renew_lists(g, job, job->boxes->changed + gone, misplaced - gone)) return 0;
+    size_t most = job->crew->size > 1 ? misplaced : FEW;
+    size_t gone = leave_first(g, job, misplaced);
     msap_near_tidy(&g->near, is_near, g);
+    for (size_t i = gone, n; i < misplaced; i += n) {
+        n = misplaced - i < most ? misplaced - i : most;
+        if (!relocate_all(g, job, changed + i, n)) return 0;
+    }
     return touch_neighbours(g, job);
 }
 
