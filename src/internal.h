@@ -261,14 +261,17 @@ void msap_touch_all_boxes(const struct job *job);
 
 /* The active pairs: a hash table over a contiguous array (paper I.6). Behind the
  * active pairs stand those that the last commit deleted; the last `created` of the
- * active ones are those that it created. */
+ * active ones are those that it created. The table has one entry for each active pair,
+ * in the chain of the pair's home: what `first` or `next` hold there, its index. */
 struct pair_table {
     msap_pair *at;
     size_t room;
     size_t active, created, deleted;
     size_t most_active, most_deleted; /* so far; there is room for both at once */
-    uint32_t *slot;                   /* [slots] index into `at`, or NONE; linear probing, at most half full */
-    size_t slots;                     /* 0 or a power of two */
+    uint32_t *first;                  /* [homes] the first pair of each chain, or NONE */
+    uint32_t *next;                   /* [room_next] the pair behind each pair in its chain, or NONE */
+    size_t homes, room_next;          /* homes: 0 or a power of two, at least as many as active pairs */
+    unsigned shift;                   /* homes == 1 << (64 - shift), unless 0 */
 };
 
 void msap_pairs_free(struct pair_table *t, struct memory *m);

@@ -5,21 +5,24 @@
  * SPDX-License-Identifier: MIT
  *
  * The array is the paper's: no holes, so that all pairs can be read at once. The
- * hash table maps a pair of slots to its place in the array, by linear probing; an
- * erased entry is filled from behind, so that there are no tombstones. A pair that
- * is deleted changes places with the last active one. After all deletions of a
- * commit the deleted pairs stand behind the active ones, in order, and the created
- * ones are put between: the arrays of events are parts of this one, and a commit
- * that only loses pairs needs no memory.
+ * hash table chains the pairs of one home by their places in the array, so that no
+ * pair is moved because another one comes or goes, and full homes cost only their own
+ * pairs. A pair that is deleted changes places with the last active one. After all
+ * deletions of a commit the deleted pairs stand behind the active ones, in order, and
+ * the created ones are put between: the arrays of events are parts of this one, and a
+ * commit that only loses pairs needs no memory.
  *
- * Only sorted events change the table, so its order follows from them alone. */
+ * Only sorted events change the array, so its order follows from them alone. An event
+ * may need any part of the memory, but it is known which: some events before it, that
+ * part is fetched into the cache. */
 #include "internal.h"
 
+/* The upper bits of a product depend on all bits of its factors. */
 static size_t home(const struct pair_table *t, uint64_t key)
 {
     key ^= key >> 32;
     key *= 0x9e3779b97f4a7c15u;
-    return (size_t)(key >> 32) & (t->slots - 1);
+    return (size_t)(key >> t->shift);
 }
 
 static uint64_t key_at(const struct pair_table *t, uint32_t index)
@@ -27,48 +30,53 @@ static uint64_t key_at(const struct pair_table *t, uint32_t index)
     return (uint64_t)slot_of(t->at[index].a) << 32 | slot_of(t->at[index].b);
 }
 
-/* Where the key is in the hash table, or the free entry where it would be. */
-static size_t probe(const struct pair_table *t, uint64_t key)
+/* The entry of a key's pair, or the NONE at the end of its chain. */
+static uint32_t *entry_of_key(const struct pair_table *t, uint64_t key)
 {
-    size_t i = home(t, key);
-    while (t->slot[i] != NONE && key_at(t, t->slot[i]) != key) i = (i + 1) & (t->slots - 1);
-    return i;
+    uint32_t *entry = &t->first[home(t, key)];
+    while (*entry != NONE && key_at(t, *entry) != key) entry = &t->next[*entry];
+    return entry;
+}
+
+/* The entry of an active pair. */
+static uint32_t *entry_of(const struct pair_table *t, uint32_t index)
+{
+    uint32_t *entry = &t->first[home(t, key_at(t, index))];
+    while (*entry != index) entry = &t->next[*entry];
+    return entry;
 }
 
 /* The index of the pair of two slots, or NONE. */
 uint32_t msap_pairs_find(const struct pair_table *t, uint32_t a, uint32_t b)
 {
-    return t->slots ? t->slot[probe(t, pair_key(a, b))] : NONE;
+    return t->homes ? *entry_of_key(t, pair_key(a, b)) : NONE;
 }
 
-/* Frees entry `hole` and moves those behind it that may not stand behind a gap. */
-static void erase(struct pair_table *t, size_t hole)
+/* Puts a pair at the start of its chain. */
+static void chain(struct pair_table *t, uint64_t key, uint32_t index)
 {
-    for (size_t i = (hole + 1) & (t->slots - 1); t->slot[i] != NONE; i = (i + 1) & (t->slots - 1)) {
-        size_t from_home = (i - home(t, key_at(t, t->slot[i]))) & (t->slots - 1);
-        if (from_home < ((i - hole) & (t->slots - 1))) continue;
-        t->slot[hole] = t->slot[i];
-        hole = i;
-    }
-    t->slot[hole] = NONE;
+    uint32_t *first = &t->first[home(t, key)];
+    t->next[index] = *first;
+    *first = index;
 }
 
 static void fill_table(struct pair_table *t)
 {
-    for (size_t i = 0; i < t->slots; i++) t->slot[i] = NONE;
-    for (size_t i = 0; i < t->active; i++) t->slot[probe(t, key_at(t, (uint32_t)i))] = (uint32_t)i;
+    for (size_t i = 0; i < t->homes; i++) t->first[i] = NONE;
+    for (uint32_t i = 0; i < t->active; i++) chain(t, key_at(t, i), i);
 }
 
-static size_t slots_for(size_t pairs)
+static size_t homes_for(size_t pairs)
 {
-    size_t slots = 16;
-    while (slots / 2 < pairs) slots *= 2;
-    return pairs ? slots : 0;
+    size_t homes = 16;
+    while (homes < pairs) homes *= 2;
+    return pairs ? homes : 0;
 }
 
-static int resize_table(struct pair_table *t, struct memory *m, size_t slots)
+static int resize_table(struct pair_table *t, struct memory *m, size_t homes)
 {
-    if (!msap_memory_resize(m, &t->slot, &t->slots, slots, 0, sizeof *t->slot)) return 0;
+    if (!msap_memory_resize(m, &t->first, &t->homes, homes, 0, sizeof *t->first)) return 0;
+    for (t->shift = 64; homes > 1; homes /= 2) t->shift--;
     fill_table(t);
     return 1;
 }
@@ -76,7 +84,8 @@ static int resize_table(struct pair_table *t, struct memory *m, size_t slots)
 void msap_pairs_free(struct pair_table *t, struct memory *m)
 {
     msap_memory_free(m, t->at, t->room, sizeof *t->at);
-    msap_memory_free(m, t->slot, t->slots, sizeof *t->slot);
+    msap_memory_free(m, t->first, t->homes, sizeof *t->first);
+    msap_memory_free(m, t->next, t->room_next, sizeof *t->next);
     memset(t, 0, sizeof *t);
 }
 
@@ -91,7 +100,8 @@ int msap_pairs_reserve(struct pair_table *t, struct memory *m, size_t created, s
     if (!msap_memory_reserve(m, &t->at, &t->room, room, t->active + t->deleted, sizeof *t->at)) return 0;
     t->most_active = larger(active, t->most_active);
     t->most_deleted = larger(deleted, t->most_deleted);
-    return slots_for(active) <= t->slots || resize_table(t, m, slots_for(active));
+    if (!msap_memory_reserve(m, &t->next, &t->room_next, active, t->active, sizeof *t->next)) return 0;
+    return active <= t->homes || resize_table(t, m, homes_for(active));
 }
 
 /* Gives room back; forgets the events. */
@@ -101,35 +111,48 @@ void msap_pairs_trim(struct pair_table *t, struct memory *m)
     t->most_active = t->active;
     t->most_deleted = 0;
     msap_memory_shrink(m, &t->at, &t->room, t->active, sizeof *t->at);
-    if (slots_for(t->active) < t->slots) resize_table(t, m, slots_for(t->active));
+    msap_memory_shrink(m, &t->next, &t->room_next, t->active, sizeof *t->next);
+    if (homes_for(t->active) < t->homes) resize_table(t, m, homes_for(t->active));
 }
 
 /* Deletes the pair of a key: it changes places with the last active one. */
 static void delete_pair(struct pair_table *t, uint64_t key)
 {
-    size_t entry = probe(t, key);
-    uint32_t at = t->slot[entry], last = (uint32_t)--t->active;
-    erase(t, entry);
+    uint32_t *entry = entry_of_key(t, key), at = *entry, last = (uint32_t)--t->active;
+    *entry = t->next[at];
     if (at == last) return;
-    t->slot[probe(t, key_at(t, last))] = at;
+    *entry_of(t, last) = at;
+    t->next[at] = t->next[last];
     msap_pair deleted = t->at[at];
     t->at[at] = t->at[last];
     t->at[last] = deleted;
+}
+
+static void create_pair(struct pair_table *t, const struct box_table *boxes, uint64_t key)
+{
+    chain(t, key, (uint32_t)t->active);
+    msap_pair *p = &t->at[t->active++];
+    p->a = handle_of(boxes, (uint32_t)(key >> 32));
+    p->b = handle_of(boxes, (uint32_t)key);
+    p->user_data = NULL;
 }
 
 /* Applies sorted events for which there is room. */
 void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
                       const struct keys *doomed)
 {
-    for (size_t i = doomed->n; i-- > 0;) delete_pair(t, doomed->at[i]); /* the first ends up first */
+    enum { AHEAD = 12 };
+    for (size_t i = doomed->n; i-- > 0;) { /* the first ends up first */
+        if (i >= AHEAD) prefetch(&t->first[home(t, doomed->at[i - AHEAD])]);
+        delete_pair(t, doomed->at[i]);
+    }
     if (fresh->n > 0) memmove(t->at + t->active + fresh->n, t->at + t->active, doomed->n * sizeof *t->at);
     for (size_t i = 0; i < fresh->n; i++) {
-        uint64_t key = fresh->at[i];
-        msap_pair *p = &t->at[t->active];
-        t->slot[probe(t, key)] = (uint32_t)t->active++;
-        p->a = handle_of(boxes, (uint32_t)(key >> 32));
-        p->b = handle_of(boxes, (uint32_t)key);
-        p->user_data = NULL;
+        if (fresh->n - i > AHEAD) {
+            prefetch(&t->first[home(t, fresh->at[i + AHEAD])]);
+            prefetch(&boxes->at[(uint32_t)fresh->at[i + AHEAD]].generation);
+        }
+        create_pair(t, boxes, fresh->at[i]);
     }
     t->created = fresh->n;
     t->deleted = doomed->n;
@@ -140,11 +163,10 @@ const char *msap_pairs_broken(const struct pair_table *t)
 {
     size_t entries = 0;
     if (t->active + t->deleted > t->room || t->created > t->active) return "the pair array is overfull";
-    for (size_t i = 0; i < t->slots; i++) {
-        if (t->slot[i] == NONE) continue;
-        entries++;
-        if (t->slot[i] >= t->active) return "an entry of the pair table leads nowhere";
-    }
+    if (t->active > t->homes || t->active > t->room_next) return "the pair table is overfull";
+    for (size_t h = 0; h < t->homes; h++)
+        for (uint32_t i = t->first[h]; i != NONE && entries <= t->active; i = t->next[i], entries++)
+            if (i >= t->active) return "an entry of the pair table leads nowhere";
     if (entries != t->active) return "the pair table has another number of entries than there are pairs";
     for (size_t i = 0; i < t->active; i++) {
         if (t->at[i].a >= t->at[i].b) return "a pair is not in order";

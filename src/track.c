@@ -332,7 +332,7 @@ static int is_upheaval(const struct grid *g, const struct box_table *t, size_t m
  * rebuilt. */
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
 {
-    enum { WORTH_ORDERING = 2048 };
+    enum { WORTH_ORDERING = 512 };
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
     int is_auto = strategy == MSAP_STRATEGY_AUTO, is_too_much = is_auto && is_upheaval(g, job->boxes, misplaced);
     g->commit++;

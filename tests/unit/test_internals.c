@@ -101,15 +101,15 @@ BREAK(nothing_in_changed, SET(w->boxes.changed[0], (uint32_t)w->boxes.used))
 static size_t entry_of_first(const msap_world *w)
 {
     size_t entry = 0;
-    while (PAIRS.slot[entry] != 0)
+    while (PAIRS.first[entry] != 0)
         entry++;
     return entry;
 }
 
 BREAK(array_too_small, SET(PAIRS.room, 1))
 BREAK(more_created_than_active, SET(PAIRS.created, PAIRS.active + 1))
-BREAK(entry_leads_nowhere, SET(PAIRS.slot[entry_of_first(w)], (uint32_t)PAIRS.active))
-BREAK(entry_missing, SET(PAIRS.slot[entry_of_first(w)], NONE))
+BREAK(entry_leads_nowhere, SET(PAIRS.first[entry_of_first(w)], (uint32_t)PAIRS.active))
+BREAK(entry_missing, SET(PAIRS.first[entry_of_first(w)], NONE))
 BREAK(pair_not_in_order, SET(PAIRS.at[0].a, PAIRS.at[0].b))
 BREAK(pair_not_found, SET(PAIRS.at[0].b, (msap_handle)FAR << 32 | 1))
 BREAK(stale_a, SET(BOX(LOW).generation, 2))
