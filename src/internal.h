@@ -248,12 +248,6 @@ static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
     if (!is) msap_settle_change(s, pair_key(a, b), 0);
 }
 
-/* A pair of boxes that live and are not both static, of which it is known whether it was. */
-static inline void settle_near(struct settler *s, uint32_t a, uint32_t b, int was)
-{
-    int is = overlap(&s->boxes[a].now, &s->boxes[b].now);
-    if (is != was) msap_settle_change(s, pair_key(a, b), is);
-}
 
 void msap_touch_all_boxes(const struct job *job);
 

@@ -208,11 +208,16 @@ static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, s
 
 /* ------------------------------------------------------------------ step 5 */
 
-/* The pairs of boxes with neighbours above. */
+/* The pairs of boxes with neighbours above, whose entries tell whether they were. */
 static void settle_above(struct settler *s, const struct pair_buffer *p, size_t n)
 {
+    const struct box *boxes = s->boxes;
     s->touched += n;
-    for (size_t i = 0; i < n; i++) settle_near(s, p->a[i], near_slot(p->b[i]), p->b[i] >> 31);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t a = p->a[i], entry = p->b[i], b = near_slot(entry);
+        int is = overlap(&boxes[a].now, &boxes[b].now);
+        if (is != (int)(entry >> 31)) msap_settle_change(s, (uint64_t)a << 32 | b, is);
+    }
 }
 
 /* Appends the pairs of a box with neighbours above to the n that are buffered: four at a

@@ -108,6 +108,7 @@ static size_t entry_of_first(const msap_world *w)
 
 BREAK(array_too_small, SET(PAIRS.room, 1))
 BREAK(more_created_than_active, SET(PAIRS.created, PAIRS.active + 1))
+BREAK(table_too_small, SET(PAIRS.room_next, 0))
 BREAK(entry_leads_nowhere, SET(PAIRS.first[entry_of_first(w)], (uint32_t)PAIRS.active))
 BREAK(entry_missing, SET(PAIRS.first[entry_of_first(w)], NONE))
 BREAK(pair_not_in_order, SET(PAIRS.at[0].a, PAIRS.at[0].b))
@@ -217,6 +218,7 @@ static const struct {
     {SINGLE_SAP, nothing_in_changed, "the changed list names a box that is not changed"},
     {SINGLE_SAP, array_too_small, "the pair array is overfull"},
     {SINGLE_SAP, more_created_than_active, "the pair array is overfull"},
+    {SINGLE_SAP, table_too_small, "the pair table is overfull"},
     {SINGLE_SAP, entry_leads_nowhere, "an entry of the pair table leads nowhere"},
     {SINGLE_SAP, entry_missing, "the pair table has another number of entries than there are pairs"},
     {SINGLE_SAP, pair_not_in_order, "a pair is not in order"},
