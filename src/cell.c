@@ -10,25 +10,7 @@
  * them alone. */
 #include "internal.h"
 
-static unsigned class_for(uint32_t room)
-{
-    unsigned class = 0;
-    while (((uint32_t)8 << class) < room) class ++;
-    return class;
-}
-
-void msap_cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot)
-{
-    struct cell_block *block = &c->block[row / 8];
-    uint32_t column = row % 8;
-    block->min[0][column] = b->min[0];
-    block->min[1][column] = b->min[1];
-    block->min[2][column] = b->min[2];
-    block->max[0][column] = b->max[0];
-    block->max[1][column] = b->max[1];
-    block->max[2][column] = b->max[2];
-    block->id[column] = slot;
-}
+static unsigned class_for(uint32_t rows) { return msap_pool_class_for((rows + 7) / 8); }
 
 /* Reads a row; returns the slot. */
 uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b)
@@ -49,25 +31,24 @@ static void move_row(struct cell *c, uint32_t from, uint32_t to)
     struct bounds b;
     if (from == to) return;
     uint32_t slot = msap_cell_row(c, from, &b);
-    msap_cell_put_row(c, to, &b, slot);
+    cell_put_row(c, to, &b, slot);
 }
 
-/* Room for n boxes in a cell that has none: rows that name no box, for row_of reads whole
- * blocks. Returns 0 without memory. */
+/* Room for n boxes in a cell that has none. Returns 0 without memory. */
 int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n)
 {
     unsigned class = class_for(n);
     c->block = msap_pool_get(p, m, class);
     if (!c->block) return 0;
-    c->room = (uint32_t)8 << class;
-    for (uint32_t i = 0; i < c->room / 8; i++) memset(c->block[i].id, 0xff, sizeof c->block[i].id);
+    c->room = 8 * (uint32_t)pool_units(class);
     return 1;
 }
 
+/* To twice the room: the smaller arrays that are left behind come to no more than that. */
 static int grow(struct cell *c, struct pool *p, struct memory *m)
 {
     struct cell old = *c;
-    if (!msap_cell_make_room(c, p, m, old.n + 1)) {
+    if (!msap_cell_make_room(c, p, m, old.room > 0 ? 2 * old.room : 1)) {
         *c = old;
         return 0;
     }
@@ -83,11 +64,12 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
 {
     if (c->n == c->room && !grow(c, p, m)) return 0;
     uint32_t row = c->n++;
+    if (row % 8 == 0) memset(c->block[row / 8].id, 0xff, sizeof c->block->id); /* row_of reads whole blocks */
     if (!is_static) {
         move_row(c, c->n_moving, row);
         row = c->n_moving++;
     }
-    msap_cell_put_row(c, row, b, slot);
+    cell_put_row(c, row, b, slot);
     return 1;
 }
 
@@ -119,7 +101,13 @@ static uint32_t row_of(const struct cell *c, uint32_t slot, int is_static)
 /* Gives a box of the cell other bounds. */
 void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static)
 {
-    msap_cell_put_row(c, row_of(c, slot, is_static), b, slot);
+    cell_put_row(c, row_of(c, slot, is_static), b, slot);
+}
+
+static void drop(struct cell *c, struct pool *p, struct memory *m)
+{
+    if (c->room > 0) msap_pool_put(p, m, c->block, class_for(c->room));
+    memset(c, 0, sizeof *c);
 }
 
 /* An empty cell's memory goes back to the pool. */
@@ -131,11 +119,13 @@ void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t
         row = c->n_moving;
     }
     move_row(c, --c->n, row);
-    if (c->n == 0) msap_cell_drop(c, p, m);
+    if (c->n == 0) drop(c, p, m);
 }
 
-void msap_cell_drop(struct cell *c, struct pool *p, struct memory *m)
+/* Empties cells whose pool is to be emptied: only large arrays go back one by one. */
+void msap_cells_empty(struct cell *c, size_t n, struct pool *p, struct memory *m)
 {
-    if (c->room > 0) msap_pool_put(p, m, c->block, class_for(c->room));
-    memset(c, 0, sizeof *c);
+    for (size_t i = 0; i < n; i++)
+        if (pool_is_large(class_for(c[i].room))) drop(&c[i], p, m);
+    memset(c, 0, n * sizeof *c);
 }

@@ -64,7 +64,8 @@ static inline struct range range_of(const struct layout *l, const struct bounds 
 /* floor(a / 2^shift) */
 static inline int32_t floor_shift(int32_t a, uint32_t shift)
 {
-    return a < 0 ? -1 - (int32_t)((uint32_t)(-1 - a) >> shift) : (int32_t)((uint32_t)a >> shift);
+    uint32_t sign = 0 - (uint32_t)(a < 0); /* no branch: half of all coordinates are negative */
+    return (int32_t)(((uint32_t)a ^ sign) >> shift ^ sign);
 }
 
 /* The same on another level, without naming a wrapped cell twice: a range around all

@@ -60,6 +60,7 @@ void msap_grid_init(struct grid *g, const msap_config *config)
 {
     memset(g, 0, sizeof *g);
     g->config = config;
+    g->is_empty = 1;
     g->sweep = msap_sweep_for(config->simd);
     g->sweep_row = msap_sweep_row_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
@@ -83,12 +84,20 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
     return 1;
 }
 
-/* Empties all cells and lists. */
-void msap_grid_empty(struct grid *g, struct memory *m)
+/* Empties all cells and lists; the places are left. */
+void msap_grid_empty_cells(struct grid *g, struct memory *m)
 {
+    if (g->is_empty) return;
     for (int i = 0; i < 2; i++) msap_layout_empty(&g->layout[i], &g->pool, m);
     msap_pool_empty(&g->pool);
     msap_near_empty(&g->near, m, g->slots);
+    g->is_empty = 1;
+}
+
+/* Takes all boxes out of the grid. */
+void msap_grid_empty(struct grid *g, struct memory *m)
+{
+    msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
     g->is_tracking = 0;
 }

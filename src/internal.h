@@ -49,9 +49,17 @@ void msap_memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, 
 
 /* ------------------------------------------------------------------ pool.c */
 
-enum { POOL_CLASSES = 8, POOL_ALIGN = 16 };
+enum { POOL_CLASSES = 14, POOL_ALIGN = 16 };
 
-/* Arrays of unit << class bytes; unit is a multiple of POOL_ALIGN. */
+/* How many units an array of a class has. */
+static inline size_t pool_units(unsigned class)
+{
+    return class == 0 ? 1 : (size_t)(class % 2 == 0 ? 3 : 2) << (class - 1) / 2;
+}
+
+static inline int pool_is_large(unsigned class) { return class >= POOL_CLASSES; }
+
+/* Arrays of units of so many bytes, a multiple of POOL_ALIGN. */
 struct pool {
     size_t unit;
     size_t cut;                      /* units of the first slab that are not handed out yet */
@@ -63,7 +71,7 @@ struct pool {
 void msap_pool_init(struct pool *p, size_t unit);
 void msap_pool_empty(struct pool *p);
 void msap_pool_free(struct pool *p, struct memory *m);
-int msap_pool_is_large(unsigned class);
+unsigned msap_pool_class_for(size_t units);
 void *msap_pool_get(struct pool *p, struct memory *m, unsigned class);
 void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class);
 
@@ -328,7 +336,7 @@ struct scratch {
     size_t room;
 };
 void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words);
-#define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for whatever is done to all boxes */
+#define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for most that is done to all boxes */
 
 /* What a commit works on. */
 struct job {
@@ -422,12 +430,15 @@ struct near_list {
     uint32_t *at; /* entries; NULL: no room */
     uint32_t n_above, n;
     uint32_t noted;   /* the list holds boxes that are not near any more: 1 + the next such list, else 0 */
-    uint8_t class;    /* of its room, NEAR_UNIT << class */
+    uint8_t class;    /* of its room in the pool */
     uint8_t searches; /* for boxes to be taken out of it, in round `round` */
     uint16_t round;
 };
 
-static inline uint32_t near_room(const struct near_list *l) { return l->at ? (uint32_t)NEAR_UNIT << l->class : 0; }
+static inline uint32_t near_room(const struct near_list *l)
+{
+    return l->at ? NEAR_UNIT * (uint32_t)pool_units(l->class) : 0;
+}
 
 /* b is in the list of a exactly if a is in the list of b, and they are exactly if
  * the fat bounds of a and b overlap and not both are static. */
@@ -440,6 +451,7 @@ struct near_lists {
 };
 
 int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair);
+int msap_near_make(struct near_lists *all, struct memory *m, const struct keys *pairs, size_t slots);
 void msap_near_mark(struct near_lists *all, uint64_t pair, int is_pair);
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
 void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
@@ -463,13 +475,25 @@ struct cell {
     uint32_t n, n_moving, room;
 };
 
+static inline void cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot)
+{
+    struct cell_block *block = &c->block[row / 8];
+    uint32_t column = row % 8;
+    block->min[0][column] = b->min[0];
+    block->min[1][column] = b->min[1];
+    block->min[2][column] = b->min[2];
+    block->max[0][column] = b->max[0];
+    block->max[1][column] = b->max[1];
+    block->max[2][column] = b->max[2];
+    block->id[column] = slot;
+}
+
 int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n);
 int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
                      int is_static);
 void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
 void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
-void msap_cell_drop(struct cell *c, struct pool *p, struct memory *m);
-void msap_cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot);
+void msap_cells_empty(struct cell *c, size_t n, struct pool *p, struct memory *m);
 uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b);
 
 typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
@@ -478,7 +502,7 @@ sweep_fn msap_sweep_for(uint32_t simd);
 
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
-enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, NO_LEVEL = 255, NO_HORIZON = 255, MOST_CELLS = 8 };
+enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, NO_LEVEL = 255, MOST_CELLS = 8 };
 enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
 /* Cells of an axis-aligned block of the grid, low and high included. */
@@ -580,12 +604,14 @@ struct grid {
     uint32_t token;
     uint32_t commit; /* counts commits, for the age of skins */
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
+    int is_empty;    /* no box is in any cell or list */
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
     struct rows rows;
     struct row_set row_set;
 };
 
 void msap_grid_init(struct grid *g, const msap_config *config);
+void msap_grid_empty_cells(struct grid *g, struct memory *m);
 void msap_grid_empty(struct grid *g, struct memory *m);
 void msap_grid_free(struct grid *g, struct memory *m);
 void msap_grid_trim(struct grid *g, struct memory *m, size_t slots);

@@ -177,10 +177,10 @@ int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table 
     return 1;
 }
 
-/* Takes everything out of its cells. */
+/* Takes everything out of its cells, whose pool is to be emptied. */
 void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m)
 {
-    for (size_t i = 0; i < l->n_cells; i++) msap_cell_drop(&l->cell[i], p, m);
+    if (l->n_cells > 0) msap_cells_empty(l->cell, l->n_cells, p, m);
     for (uint32_t level = 0; level < LEVELS; level++) l->level[level].boxes = 0;
     l->boxes = 0;
 }

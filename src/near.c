@@ -11,22 +11,25 @@
  * commit: so a touch that finds the pair as it was needs to look at nothing else. */
 #include "internal.h"
 
-static unsigned class_for(uint32_t room)
+static int give_room(struct near_list *l, struct near_lists *all, struct memory *m, uint32_t room)
 {
-    unsigned class = 0;
-    while (((uint32_t)NEAR_UNIT << class) < room) class ++;
-    return class;
+    unsigned class = msap_pool_class_for((room + NEAR_UNIT - 1) / NEAR_UNIT);
+    l->at = msap_pool_get(&all->pool, m, class);
+    l->class = (uint8_t) class;
+    return l->at != NULL;
 }
 
-static int grow(struct near_list *l, struct near_lists *all, struct memory *m, uint32_t room)
+/* To twice the room: the smaller arrays that are left behind come to no more than that. */
+static int grow(struct near_list *l, struct near_lists *all, struct memory *m)
 {
-    unsigned class = class_for(room);
-    uint32_t *grown = msap_pool_get(&all->pool, m, class);
-    if (!grown) return 0;
-    if (l->n > 0) memcpy(grown, l->at, l->n * sizeof *grown);
-    if (l->at) msap_pool_put(&all->pool, m, l->at, l->class);
-    l->at = grown;
-    l->class = (uint8_t) class;
+    struct near_list old = *l;
+    if (!give_room(l, all, m, old.at ? 2 * near_room(&old) : 1)) {
+        *l = old;
+        return 0;
+    }
+    if (!old.at) return 1;
+    memcpy(l->at, old.at, old.n * sizeof *l->at);
+    msap_pool_put(&all->pool, m, old.at, old.class);
     return 1;
 }
 
@@ -34,7 +37,7 @@ static int grow(struct near_list *l, struct near_lists *all, struct memory *m, u
 static int put(struct near_lists *all, struct memory *m, uint32_t self, uint32_t entry)
 {
     struct near_list *l = &all->of[self];
-    if (l->n == near_room(l) && !grow(l, all, m, l->n + 1)) return 0;
+    if (l->n == near_room(l) && !grow(l, all, m)) return 0;
     l->at[l->n] = entry;
     if (near_slot(entry) > self) {
         l->at[l->n] = l->at[l->n_above];
@@ -49,6 +52,39 @@ int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     return put(all, m, low, is_pair ? high | NEAR_PAIR : high) && put(all, m, high, low);
+}
+
+/* Counts the neighbours of each box. */
+static void count(struct near_lists *all, const struct keys *pairs)
+{
+    for (size_t i = 0; i < pairs->n; i++) {
+        uint32_t a = (uint32_t)(pairs->at[i] >> 32), b = near_slot((uint32_t)pairs->at[i]);
+        all->of[a].n++;
+        all->of[b].n++;
+        all->of[a < b ? a : b].n_above++;
+    }
+}
+
+/* Makes the lists, which are empty, from pairs of slots in any order, each once; the lower
+ * half of a key has NEAR_PAIR as the entry shall have it. Returns 0 without memory. */
+int msap_near_make(struct near_lists *all, struct memory *m, const struct keys *pairs, size_t slots)
+{
+    if (pairs->n == 0) return 1;
+    count(all, pairs);
+    for (size_t slot = 0; slot < slots; slot++) {
+        struct near_list *l = &all->of[slot];
+        if (l->n > 0 && !give_room(l, all, m, l->n)) return 0;
+        l->n = l->n_above; /* where the next one below is put, and n_above where the next one above */
+        l->n_above = 0;
+    }
+    for (size_t i = 0; i < pairs->n; i++) {
+        uint32_t a = (uint32_t)(pairs->at[i] >> 32), b = (uint32_t)pairs->at[i], is_pair = b & NEAR_PAIR;
+        uint32_t low = a < near_slot(b) ? a : near_slot(b), high = a ^ near_slot(b) ^ low;
+        struct near_list *of_low = &all->of[low], *of_high = &all->of[high];
+        of_low->at[of_low->n_above++] = high | is_pair;
+        of_high->at[of_high->n++] = low;
+    }
+    return 1;
 }
 
 /* The index of the one of the first n <= 4 of four entries that is for `other`, or 4. */
@@ -156,11 +192,11 @@ void msap_near_drop(struct near_lists *all, struct memory *m, uint32_t self)
 /* Empties all lists. */
 void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots)
 {
-    for (uint32_t slot = 0; slot < slots; slot++) {
+    for (size_t slot = 0; slot < slots; slot++) {
         struct near_list *l = &all->of[slot];
-        if (l->at && msap_pool_is_large(l->class)) msap_pool_put(&all->pool, m, l->at, l->class);
-        memset(l, 0, sizeof *l);
+        if (pool_is_large(l->class) && l->at) msap_pool_put(&all->pool, m, l->at, l->class);
     }
+    if (slots > 0) memset(all->of, 0, slots * sizeof *all->of);
     all->first_noted = 0;
     msap_pool_empty(&all->pool);
 }

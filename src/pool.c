@@ -3,14 +3,15 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * A pool hands out arrays of unit << c bytes for a class c = 0, 1, 2, ... Small
+ * A pool hands out arrays of 1, 2, 3, 4, 6, 8, 12, ... units for a class 0, 1, 2, ...:
+ * powers of two and, between them, three halves, so that little room stays empty. Small
  * ones are cut from slabs; what is given back waits in the free list of its class.
  * Large ones come from the allocator one by one. Slabs stay with the pool, also
  * when it is emptied, so that a world that is warm asks for nothing; pool_free
  * gives them back. */
 #include "internal.h"
 
-enum { SLAB_UNITS = 2 << POOL_CLASSES };
+enum { SLAB_UNITS = 512 };
 
 /* What stands at the beginning of a slab, and of a free array. */
 struct slab {
@@ -58,7 +59,7 @@ void msap_pool_free(struct pool *p, struct memory *m)
 
 static void *cut(struct pool *p, struct memory *m, unsigned class)
 {
-    size_t units = (size_t)1 << class;
+    size_t units = pool_units(class);
     if (p->cut < units) {
         void *s = p->spare ? pop(&p->spare) : msap_memory_alloc(m, slab_bytes(p), 1);
         if (!s) return NULL;
@@ -69,17 +70,23 @@ static void *cut(struct pool *p, struct memory *m, unsigned class)
     return (char *)p->slabs + POOL_ALIGN + p->cut * p->unit;
 }
 
-int msap_pool_is_large(unsigned class) { return class >= POOL_CLASSES; }
+/* The class of the smallest arrays of so many units or more. */
+unsigned msap_pool_class_for(size_t units)
+{
+    unsigned class = 0;
+    while (pool_units(class) < units) class ++;
+    return class;
+}
 
-/* An array of unit << class bytes, or NULL. */
+/* An array of the units of a class, or NULL. */
 void *msap_pool_get(struct pool *p, struct memory *m, unsigned class)
 {
-    if (msap_pool_is_large(class)) return msap_memory_alloc(m, p->unit, (size_t)1 << class);
+    if (pool_is_large(class)) return msap_memory_alloc(m, pool_units(class), p->unit);
     return p->free[class] ? pop(&p->free[class]) : cut(p, m, class);
 }
 
 void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class)
 {
-    if (msap_pool_is_large(class)) msap_memory_free(m, array, p->unit, (size_t)1 << class);
+    if (pool_is_large(class)) msap_memory_free(m, array, pool_units(class), p->unit);
     else push(&p->free[class], array);
 }

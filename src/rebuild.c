@@ -5,36 +5,58 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * 1. Each box gets its fat bounds, its level and the range of its cells; the boxes
- *    of each cell are counted.
- * 2. The cells get memory of the right size and are filled.
- * 3. Each cell is swept. Two boxes that meet in several cells of their level are
- *    taken in one: the one that holds the higher of their two low corners, which
- *    lies in both ranges and is visited once.
+ * 1. Each box gets its fat bounds, its level and the span of its cells.
+ * 2. From the spans alone, the boxes of each cell are counted and then listed, in the
+ *    order of slots, and the cells get memory of the right size.
+ * 3. Cell by cell, the rows are filled from the list, and the cell, which is at hand
+ *    now, is swept. Two boxes that meet in several cells of their level are taken
+ *    in the first of them that the walk over the cells of one comes to.
  * 4. Boxes of different levels are found by asking: for each box the coarser levels or,
  *    where few boxes are on coarse levels, for each of those the finer ones.
  *
- * A pair that is found becomes two entries of neighbour lists. Skins are fitted, cells
- * swept and coarser levels asked by all workers (II.3d). */
+ * A pair that is found is settled at once and becomes two entries of neighbour lists.
+ * Steps 1 and 3 and the asking are done by all workers (II.3d). */
 #include "cells.h"
+
+/* The cells of a box on its level: from which one, as wrapped, and how many more on each
+ * axis. */
+struct span {
+    uint16_t low[3];
+    uint8_t more[3];
+    uint8_t level; /* NO_LEVEL: the slot has no live box */
+    uint8_t is_static;
+};
+
+/* The boxes of a cell, moving and static: how many, then where in the list the next one is
+ * put, in the end where their part of it ends; that of the moving ones is the first. */
+struct tally {
+    uint32_t moving, still;
+};
 
 struct rebuild {
     struct grid *grid;
     struct layout *layout; /* the current one */
     struct job *job;
-    struct range *range; /* [slots] of each live box, on its level */
+    struct span *span;   /* [slots] */
+    struct tally *tally; /* [cells] */
+    uint32_t *list;      /* slots, cell after cell */
 };
 
-static int is_live(const struct rebuild *r, size_t slot)
-{
-    return (r->job->boxes->at[slot].flags & BOX_LIVE) != 0;
-}
-static uint32_t is_static(const struct rebuild *r, size_t slot)
-{
-    return (r->job->boxes->at[slot].flags & BOX_STATIC) != 0;
-}
+/* ------------------------------------------------------------------ step 1 */
 
-/* ---------------------------------------------------------- steps 1 and 2 */
+static inline void find_span(const struct layout *l, const struct bounds *fat, struct span *s)
+{
+    struct range base = range_of(l, fat);
+    uint32_t level = msap_level_for(base), shift = LEVEL_SHIFT * level;
+    s->level = (uint8_t)level;
+    for (int k = 0; k < 3; k++) {
+        uint32_t count = l->level[level].count[k];
+        int32_t low = floor_shift(base.low[k], shift), high = floor_shift(base.high[k], shift);
+        uint32_t more = (uint32_t)high - (uint32_t)low;
+        s->low[k] = (uint16_t)wrap(low, count);
+        s->more[k] = (uint8_t)(more < count ? more : count - 1);
+    }
+}
 
 /* Whether a box has left its skin or, since that costs little now, soon will. */
 static int needs_skin(const struct grid *g, const struct place *p, const struct box *b)
@@ -43,7 +65,8 @@ static int needs_skin(const struct grid *g, const struct place *p, const struct 
     return skin_is_old(p, g) && (b->flags & BOX_CHANGED);
 }
 
-/* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. */
+/* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. Boxes that
+ * were not in the grid have no past in it. */
 static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
     struct rebuild *r = context;
@@ -52,156 +75,243 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
     for (size_t slot = first; slot < last; slot++) {
         struct place *p = &g->place[slot];
         const struct box *b = &r->job->boxes->at[slot];
-        if (!is_live(r, slot)) continue;
-        if (p->horizon == NO_HORIZON) msap_skin_first(p, b, g, (uint32_t)slot);
+        if (!(b->flags & BOX_LIVE)) {
+            p->level = r->span[slot].level = NO_LEVEL;
+            continue;
+        }
+        if (p->level == NO_LEVEL) msap_skin_first(p, b, g, (uint32_t)slot);
         else if (needs_skin(g, p, b)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
-        struct range base = range_of(r->layout, &p->fat);
+        find_span(r->layout, &p->fat, &r->span[slot]);
+        r->span[slot].is_static = (b->flags & BOX_STATIC) != 0;
         p->layout = (uint8_t)g->current;
-        p->level = (uint8_t)msap_level_for(base);
-        r->range[slot] = range_on(r->layout, base, p->level);
+        p->level = r->span[slot].level;
     }
 }
 
-/* Counts the boxes of each cell. */
-static void count(struct rebuild *r)
+/* ------------------------------------------------------------------ step 2 */
+
+/* Writes the numbers, among all, of the cells of a span; returns how many they are. */
+static inline uint32_t cells_of(const struct layout *l, const struct span *s, uint32_t cell[MOST_CELLS])
 {
-    struct grid *g = r->grid;
+    const struct level *level = &l->level[s->level];
+    const uint32_t *count = level->count, first = (uint32_t)(level->cell - l->cell);
+    uint32_t n = 0;
+    for (uint32_t k = 0, z = s->low[2]; k <= s->more[2]; k++, z = z + 1 < count[2] ? z + 1 : 0)
+        for (uint32_t j = 0, y = s->low[1]; j <= s->more[1]; j++, y = y + 1 < count[1] ? y + 1 : 0)
+            for (uint32_t i = 0, x = s->low[0]; i <= s->more[0]; i++, x = x + 1 < count[0] ? x + 1 : 0)
+                cell[n++] = first + (z * count[1] + y) * count[0] + x;
+    return n;
+}
+
+/* Counts the boxes of each cell. */
+static void count(const struct rebuild *r)
+{
+    struct layout *l = r->layout;
+    uint32_t cell[MOST_CELLS];
+    memset(r->tally, 0, l->n_cells * sizeof *r->tally);
     for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
-        if (!is_live(r, slot)) continue;
-        struct level *l = &r->layout->level[g->place[slot].level];
-        struct cell_walk w = cell_walk(l, r->range[slot]);
+        const struct span *s = &r->span[slot];
+        if (s->level == NO_LEVEL) continue;
+        l->level[s->level].boxes++;
         l->boxes++;
-        r->layout->boxes++;
-        for (struct cell *c; (c = cell_next(&w)) != NULL;) {
-            c->n++;
-            c->n_moving += !is_static(r, slot);
+        for (uint32_t n = cells_of(l, s, cell); n-- > 0;)
+            ++*(s->is_static ? &r->tally[cell[n]].still : &r->tally[cell[n]].moving);
+    }
+}
+
+/* Turns the counts into cells with room and into places in the list, of which *n becomes
+ * the length. Returns 0 without memory, and if the list would be too long for such places. */
+static int make_cells(const struct rebuild *r, size_t *n)
+{
+    size_t end = 0;
+    for (size_t i = 0; i < r->layout->n_cells; i++) {
+        struct cell *c = &r->layout->cell[i];
+        struct tally *t = &r->tally[i];
+        uint32_t moving = t->moving, all = moving + t->still;
+        t->moving = (uint32_t)end;
+        t->still = (uint32_t)end + moving;
+        end += all;
+        if (all > 0 && !msap_cell_make_room(c, &r->grid->pool, r->job->memory, all)) return 0;
+        c->n = all;
+        c->n_moving = moving;
+    }
+    *n = end;
+    return end <= UINT32_MAX;
+}
+
+/* Puts each box into the list once for each of its cells. */
+static void list(const struct rebuild *r)
+{
+    uint32_t cell[MOST_CELLS];
+    for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
+        const struct span *s = &r->span[slot];
+        if (s->level == NO_LEVEL) continue;
+        for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;) {
+            struct tally *t = &r->tally[cell[n]];
+            r->list[s->is_static ? t->still++ : t->moving++] = slot;
         }
     }
 }
 
-/* Turns the counts into cells with room: n_moving is where the next box that moves
- * is put, n where the next static one. Returns 0 without memory. */
-static int make_cells(struct layout *l, struct pool *p, struct memory *m)
+/* ------------------------------------------------------------------ step 3 */
+
+/* Takes a pair of boxes that are neighbours and not both static. Whether they are a pair
+ * goes with them into their lists. */
+static uint64_t settled(const struct rebuild *r, struct settler *settler, uint32_t a, uint32_t b)
 {
-    for (size_t i = 0; i < l->n_cells; i++) {
-        struct cell *c = &l->cell[i];
-        if (c->n > 0 && !msap_cell_make_room(c, p, m, c->n)) return 0;
-        c->n = c->n_moving;
-        c->n_moving = 0;
-    }
-    return 1;
+    const struct box *p = &r->job->boxes->at[a], *q = &r->job->boxes->at[b];
+    int is = overlap(&p->now, &q->now);
+    settler->touched++;
+    if (is && !were_pair(p, q)) msap_settle_change(settler, pair_key(a, b), 1);
+    return (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
 }
 
-static void fill_cells(struct rebuild *r)
+/* Whether a cell is the one in which two of its boxes, a and b, are taken, as far as axis k
+ * goes: the first, in the order of a's cells, that both touch. `at` is its place on the axis. */
+static inline int is_first_on(uint32_t k, uint32_t at, uint32_t count, const struct span *a, const struct span *b)
 {
-    for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
-        const struct place *p = &r->grid->place[slot];
-        if (!is_live(r, slot)) continue;
-        struct cell_walk w = cell_walk(&r->layout->level[p->level], r->range[slot]);
-        for (struct cell *c; (c = cell_next(&w)) != NULL;)
-            msap_cell_put_row(c, is_static(r, slot) ? c->n++ : c->n_moving++, &p->fat, slot);
-    }
+    uint32_t low = a->low[k], other = b->low[k];
+    uint32_t ahead = low + (low < other ? count : 0) - other; /* of b's lowest is a's */
+    return (at == low) | ((at == other) & (ahead > b->more[k]));
 }
 
-/* ---------------------------------------------------------- steps 3 and 4 */
-
-/* Whether cell `at` of a level is the one in which two of its boxes are taken. */
-static int is_meeting_cell(const struct rebuild *r, const struct level *l, const uint32_t at[3], uint32_t a,
-                           uint32_t b)
-{
-    const int32_t *p = r->range[a].low, *q = r->range[b].low;
-    for (int k = 0; k < 3; k++)
-        if (wrap(p[k] > q[k] ? p[k] : q[k], l->count[k]) != at[k]) return 0;
-    return 1;
-}
-
+/* Of two boxes, the one whose row is the first is the same in all cells: rows are in the
+ * order of slots, those of moving boxes first. */
 static void sweep_cell(const struct rebuild *r, struct worker *w, const struct level *l, const struct cell *c)
 {
-    size_t i = (size_t)(c - l->cell), row_length = l->count[0], rows = l->count[1];
-    const uint32_t at[3] = {(uint32_t)(i % row_length), (uint32_t)(i / row_length % rows),
-                            (uint32_t)(i / row_length / rows)};
+    uint32_t i = (uint32_t)(c - l->cell), x = i % l->count[0], y = i / l->count[0] % l->count[1],
+             z = i / l->count[0] / l->count[1];
+    for (uint32_t row = 0; row < c->n; row++) {
+        uint32_t slot = c->block[row / 8].id[row % 8];
+        prefetch(&r->span[slot]);
+        prefetch(&r->job->boxes->at[slot]);
+    }
     for (uint32_t row = 0; row < c->n_moving; row++) {
-        struct bounds b;
-        uint32_t slot = msap_cell_row(c, row, &b);
-        size_t n = r->grid->sweep(c, row + 1, c->n, &b, w->found);
-        for (size_t i = 0; i < n; i++)
-            if (is_meeting_cell(r, l, at, slot, w->found[i]))
-                msap_worker_put(w, (uint64_t)slot << 32 | w->found[i]);
+        struct bounds bounds;
+        uint32_t slot = msap_cell_row(c, row, &bounds);
+        const struct span *a = &r->span[slot];
+        size_t n = r->grid->sweep(c, row + 1, c->n, &bounds, w->found);
+        for (size_t f = 0; f < n; f++) {
+            const struct span *b = &r->span[w->found[f]];
+            if (is_first_on(0, x, l->count[0], a, b) & is_first_on(1, y, l->count[1], a, b) &
+                is_first_on(2, z, l->count[2], a, b))
+                msap_worker_put(w, settled(r, &w->settler, slot, w->found[f]));
+        }
     }
 }
 
-/* Sweeps cells first ... last - 1 of all levels. */
-static void sweep_cells(void *context, struct worker *w, size_t first, size_t last)
+/* Fills the rows of cell i; those that follow in its last block name no box, for whole
+ * blocks are read. */
+static void fill_cell(const struct rebuild *r, size_t i)
+{
+    struct cell *c = &r->layout->cell[i];
+    const uint32_t *slot = r->list + r->tally[i].still - c->n;
+    for (uint32_t row = 0; row < c->n; row++) cell_put_row(c, row, &r->grid->place[slot[row]].fat, slot[row]);
+    for (uint32_t row = c->n; row % 8 != 0; row++) c->block[row / 8].id[row % 8] = NONE;
+}
+
+/* Fills and sweeps cells first ... last - 1 of all levels. */
+static void make_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct rebuild *r = context;
     const struct layout *l = r->layout;
     uint32_t level = 0;
     for (size_t i = first; i < last; i++) {
-        while (level < TOP && &l->cell[i] >= l->level[level + 1].cell) level++;
-        if (l->cell[i].n > 1) sweep_cell(r, w, &l->level[level], &l->cell[i]);
+        struct cell *c = &l->cell[i];
+        while (level < TOP && c >= l->level[level + 1].cell) level++;
+        if (c->n == 0) continue;
+        fill_cell(r, i);
+        if (c->n > 1 && c->n_moving > 0) sweep_cell(r, w, &l->level[level], c);
     }
 }
+
+/* ------------------------------------------------------------------ step 4 */
 
 /* Asks the coarser levels for the boxes in slots first ... last - 1. */
 static void ask_coarser(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct rebuild *r = context;
-    const struct grid *g = r->grid;
     for (size_t slot = first; slot < last; slot++)
-        if (is_live(r, slot))
-            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), g->place[slot].level + 1u, LEVELS);
+        if (r->span[slot].level != NO_LEVEL)
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->span[slot].is_static, r->span[slot].level + 1u, LEVELS);
 }
 
 /* Asks the finer levels for the boxes in slots first ... last - 1. */
 static void ask_finer(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct rebuild *r = context;
-    const struct grid *g = r->grid;
     for (size_t slot = first; slot < last; slot++)
-        if (is_live(r, slot) && g->place[slot].level > 0)
-            msap_grid_query(g, w, (uint32_t)slot, (int)is_static(r, slot), 0, g->place[slot].level);
+        if (r->span[slot].level != NO_LEVEL && r->span[slot].level > 0)
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->span[slot].is_static, 0, r->span[slot].level);
 }
 
+/* Settles the pairs that asking has found, from `first` on, and drops repeats, which come
+ * together by box. */
+static void settle_asked(const struct rebuild *r, struct worker *w, size_t first)
+{
+    struct grid *g = r->grid;
+    uint64_t *pair = w->pairs.at;
+    size_t n = first;
+    for (size_t i = first; i < w->pairs.n; i++) {
+        uint32_t a = (uint32_t)(pair[i] >> 32), b = (uint32_t)pair[i];
+        if (n == first || a != pair[n - 1] >> 32) msap_grid_new_token(g);
+        if (g->tag[b] == g->token) continue;
+        g->tag[b] = g->token;
+        pair[n++] = settled(r, &w->settler, a, b);
+    }
+    w->pairs.n = n;
+}
+
+/* Returns 0 without memory. */
 static int ask(struct rebuild *r)
 {
     enum { FEW = 64 }; /* cells that a coarse box would have to visit, more or less */
-    size_t coarse = r->layout->boxes - r->layout->level[0].boxes;
+    struct worker *w = &r->job->crew->worker[0];
+    size_t coarse = r->layout->boxes - r->layout->level[0].boxes, found = w->pairs.n;
     phase_fn run = coarse < r->layout->boxes / FEW ? ask_finer : ask_coarser;
-    return coarse == 0 || msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used);
-}
-
-/* Makes the pairs that were found neighbours, each once: repeats come together. */
-static int make_lists(struct grid *g, struct job *job)
-{
-    const struct keys *found = &job->crew->worker[0].pairs;
-    const struct box *boxes = job->boxes->at;
-    for (size_t i = 0; i < found->n; i++) {
-        uint32_t a = (uint32_t)(found->at[i] >> 32), b = (uint32_t)found->at[i];
-        if (i == 0 || a != found->at[i - 1] >> 32) msap_grid_new_token(g);
-        if (g->tag[b] == g->token) continue;
-        g->tag[b] = g->token;
-        if (!msap_near_join(&g->near, job->memory, a, b, were_pair(&boxes[a], &boxes[b]))) return 0;
-    }
-    return 1;
-}
-
-static int find_pairs(struct rebuild *r)
-{
-    struct grid *g = r->grid;
-    struct crew *crew = r->job->crew;
-    struct memory *m = r->job->memory;
-    crew->worker[0].pairs.n = 0;
-    if (!msap_phase_run(crew, m, sweep_cells, r, r->layout->n_cells)) return 0;
-    return ask(r) && make_lists(g, r->job);
+    if (coarse == 0) return 1;
+    if (!msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used)) return 0;
+    settle_asked(r, w, found);
+    return !w->settler.lost;
 }
 
 /* ---------------------------------------------------------------- the whole */
 
-/* Boxes that are not in the grid have no past in it. */
-static void forget_absent(struct grid *g, size_t slots)
+/* Cuts the arrays of a call out of scratch memory, and, once its length is known, the
+ * list. Returns 0 without it. */
+static int place_arrays(struct rebuild *r, size_t length)
 {
-    for (size_t slot = 0; slot < slots; slot++)
-        if (g->place[slot].level == NO_LEVEL) g->place[slot].horizon = NO_HORIZON;
+    struct scratch *s = r->job->scratch;
+    size_t spans = r->job->boxes->used * sizeof *r->span / sizeof *s->at + 1;
+    size_t kept = spans + r->layout->n_cells * sizeof *r->tally / sizeof *s->at;
+    size_t words = kept + length * sizeof *r->list / sizeof *s->at + 1;
+    if (!msap_memory_reserve(r->job->memory, &s->at, &s->room, words, length ? kept : 0, sizeof *s->at)) return 0;
+    r->span = (struct span *)(void *)s->at;
+    r->tally = (struct tally *)(void *)(s->at + spans);
+    r->list = (uint32_t *)(void *)(s->at + kept);
+    return 1;
+}
+
+/* Steps 1 and 2. Returns 0 without memory. */
+static int make_grid(struct rebuild *r)
+{
+    struct job *job = r->job;
+    size_t length;
+    if (!place_arrays(r, 0) || !msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used)) return 0;
+    count(r);
+    if (!make_cells(r, &length) || !place_arrays(r, length)) return 0;
+    list(r);
+    return 1;
+}
+
+/* Finds and settles all neighbours. Returns 0 without memory. */
+static int find_neighbours(struct rebuild *r)
+{
+    struct crew *crew = r->job->crew;
+    struct memory *m = r->job->memory;
+    crew->worker[0].pairs.n = 0;
+    return msap_phase_run(crew, m, make_rows, r, r->layout->n_cells) && ask(r) &&
+           msap_near_make(&r->grid->near, m, &crew->worker[0].pairs, r->job->boxes->used);
 }
 
 /* Whether the layout should be chosen again, since it costs little now. */
@@ -211,22 +321,18 @@ static int is_stale(const struct layout *l, uint32_t commit, size_t boxes)
     return msap_is_outgrown(l->chosen_for, boxes) || commit - l->chosen_at > COMMITS;
 }
 
-/* Returns 0 without memory. */
+/* Touches all pairs that overlap and all that did. Returns 0 without memory. */
 int msap_grid_rebuild(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
     struct layout *l = &g->layout[g->current];
-    struct rebuild r = {g, l, job, NULL};
-    forget_absent(g, t->used);
-    msap_grid_empty(g, job->memory);
+    struct rebuild r = {.grid = g, .layout = l, .job = job};
+    msap_grid_empty_cells(g, job->memory);
+    g->is_tracking = 0;
     g->moves = t->live;
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
-    r.range = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
-    if (!r.range || !msap_phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
-    count(&r);
-    if (!make_cells(l, &g->pool, job->memory)) return 0;
-    fill_cells(&r);
-    g->is_tracking = find_pairs(&r) && msap_touch_known_pairs(job);
+    g->is_empty = 0;
+    g->is_tracking = make_grid(&r) && find_neighbours(&r) && msap_touch_known_pairs(job);
     return g->is_tracking;
 }

@@ -101,23 +101,22 @@ __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, co
     return (size_t)__builtin_popcount(found);
 }
 
+/* The columns of a block that are apart on axis k. */
+#define APART256(at, k)                                                \
+    _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256((at)->min[k]), max[k]), \
+                    _mm256_cmpgt_epi32(min[k], LOAD256((at)->max[k])))
+
 __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, uint32_t first, uint32_t last,
                                                          const struct bounds *b, uint32_t *out)
 {
     size_t n = 0;
-    __m256i min[3], max[3];
-    for (int k = 0; k < 3; k++) {
-        min[k] = _mm256_set1_epi32(b->min[k]);
-        max[k] = _mm256_set1_epi32(b->max[k]);
-    }
+    const __m256i min[3] = {_mm256_set1_epi32(b->min[0]), _mm256_set1_epi32(b->min[1]),
+                            _mm256_set1_epi32(b->min[2])};
+    const __m256i max[3] = {_mm256_set1_epi32(b->max[0]), _mm256_set1_epi32(b->max[1]),
+                            _mm256_set1_epi32(b->max[2])};
     for (uint32_t row = first & ~7u; row < last; row += 8) {
         const struct cell_block *at = &c->block[row / 8];
-        __m256i apart = _mm256_setzero_si256();
-        for (int k = 0; k < 3; k++) {
-            __m256i below = _mm256_cmpgt_epi32(LOAD256(at->min[k]), max[k]);
-            apart =
-                _mm256_or_si256(apart, _mm256_or_si256(below, _mm256_cmpgt_epi32(min[k], LOAD256(at->max[k]))));
-        }
+        __m256i apart = _mm256_or_si256(_mm256_or_si256(APART256(at, 0), APART256(at, 1)), APART256(at, 2));
         uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & columns_in(row, first, last);
         n += put_found(out + n, at->id, found & 15);
         n += put_found(out + n, at->id + 4, found >> 4);

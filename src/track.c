@@ -346,7 +346,7 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
     }
     if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || is_too_much)
-        return msap_grid_rebuild(g, job) && touch_neighbours(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+        return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }
