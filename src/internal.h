@@ -237,7 +237,7 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
     if (were_pair(p, q) != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
 }
 
-int msap_touch_known_pairs(struct job *job);
+void msap_touch_known_pairs(struct job *job);
 
 /* A pair that is known to overlap now, found once. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)

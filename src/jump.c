@@ -238,6 +238,9 @@ int msap_grid_jump(struct grid *g, struct job *job)
     j.set = g->row_set;
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
     fill_rows(&j);
-    return msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) &&
-           msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide) && msap_touch_known_pairs(job);
+    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) ||
+        !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide))
+        return 0;
+    msap_touch_known_pairs(job);
+    return 1;
 }

@@ -39,7 +39,7 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
 {
     uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
     size_t n = 0, step = boxes->used / SAMPLES + 1;
-    for (size_t slot = 0; slot < boxes->used && n < SAMPLES; slot += step) {
+    for (size_t slot = 0; slot < boxes->used; slot += step) {
         const struct box *b = &boxes->at[slot];
         double low = msap_value_of(b->now.min[k]), high = msap_value_of(b->now.max[k]);
         if (!(b->flags & BOX_LIVE) || !(high - low < 1e30)) continue;

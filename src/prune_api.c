@@ -133,7 +133,6 @@ static int sort_input(struct pruning *p, struct input *in)
         in->set.n = 0;
         return 1;
     }
-    if (n > SIZE_MAX / 16) return 0;
     in->words = msap_memory_alloc(&p->memory, PRUNE_SET_WORDS(n), sizeof *in->words);
     uint64_t *key = msap_memory_alloc(&p->memory, 2 * n, sizeof *key);
     if (in->words && key) {

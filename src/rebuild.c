@@ -297,7 +297,8 @@ static int make_grid(struct rebuild *r)
 {
     struct job *job = r->job;
     size_t length;
-    if (!place_arrays(r, 0) || !msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used)) return 0;
+    if (!place_arrays(r, 0)) return 0;
+    msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used); /* finds nothing, so it cannot lack memory */
     count(r);
     if (!make_cells(r, &length) || !place_arrays(r, length)) return 0;
     list(r);
@@ -333,6 +334,7 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
     g->is_empty = 0;
-    g->is_tracking = make_grid(&r) && find_neighbours(&r) && msap_touch_known_pairs(job);
+    g->is_tracking = make_grid(&r) && find_neighbours(&r);
+    if (g->is_tracking) msap_touch_known_pairs(job);
     return g->is_tracking;
 }

@@ -264,8 +264,8 @@ static uint64_t estimate_slide(const struct sap *s, const struct box_table *t)
 {
     enum { SAMPLES = 64 };
     uint64_t sum = 0;
-    size_t step = t->n_changed / SAMPLES + 1, n = 0;
-    for (size_t i = 0; i < t->n_changed; i += step, n++) {
+    size_t step = t->n_changed / SAMPLES + 1;
+    for (size_t i = 0; i < t->n_changed; i += step) {
         uint32_t slot = t->changed[i];
         const struct box *b = &t->at[slot];
         if ((b->flags & (BOX_STORED | BOX_LIVE)) != (BOX_STORED | BOX_LIVE)) continue;
@@ -273,7 +273,7 @@ static uint64_t estimate_slide(const struct sap *s, const struct box_table *t)
             sum += distance(&s->axis[k], s->stored, key_make(b->now.min[k], 0, slot)) +
                    distance(&s->axis[k], s->stored, key_make(b->now.max[k], 1, slot));
     }
-    return n ? sum * t->n_changed / n : 0;
+    return sum * step; /* each stands for so many */
 }
 
 /* The strategy with the least estimated cost. One place of sliding counts 1; merging

@@ -60,10 +60,10 @@ static void touch_known(void *context, struct worker *w, size_t first, size_t la
     for (size_t i = first; i < last; i++) settle_known(&w->settler, slot_of(pair[i].a), slot_of(pair[i].b));
 }
 
-/* Touches the known pairs. Returns 0 without memory. */
-int msap_touch_known_pairs(struct job *job)
+/* Touches the known pairs. It cannot lack memory: the list of the doomed has room for them all. */
+void msap_touch_known_pairs(struct job *job)
 {
-    return msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
+    msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
 }
 
 /* The last resort, when there is no memory for anything better: touches every pair

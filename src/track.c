@@ -289,14 +289,14 @@ enum { COST_OF_A_MOVE = 7, COST_OF_LEAVING = 1, COST_OF_REBUILDING = 2 };
 static double estimate_moves(const struct box_table *t)
 {
     enum { SAMPLES = 64 };
-    size_t step = t->n_changed / SAMPLES + 1, n = 0;
+    size_t step = t->n_changed / SAMPLES + 1;
     double moves = 0;
-    for (size_t i = 0; i < t->n_changed; i += step, n++) {
+    for (size_t i = 0; i < t->n_changed; i += step) {
         const struct box *b = &t->at[t->changed[i]];
         if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
             moves += 1.0 / (double)msap_skin_lifetime(b);
     }
-    return n ? moves * (double)t->n_changed / (double)n : 0;
+    return moves * (double)step; /* each stands for so many */
 }
 
 static int is_jumpy(const struct box_table *t)

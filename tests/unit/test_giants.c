@@ -274,10 +274,45 @@ START_TEST(giants_where_all_jumps)
 }
 END_TEST
 
+/* A crowd over many rows; each of the last ones spans all of them in the frames in
+ * which they are giants. */
+enum { JUMPERS = 600, GIANTS = 100 };
+
+static box in_crowd(uint64_t *random, int is_giant)
+{
+    float x = (float)random_below(random, 192) / 8, y = (float)random_below(random, 160) / 8;
+    return is_giant ? box_of(x, -INF, 0, x + 0.125f, INF, 1) : box_of(x, y, 0, x + 1, y + 1, 1);
+}
+
+/* Where all jumps nothing is kept, so there are no neighbours; but a hundred giants are too
+ * many to be compared with all: then neighbours are found in cells. */
+START_TEST(many_giants_where_all_jumps)
+{
+    static msap_handle handles[JUMPERS];
+    msap_config config = config_of(_i % 2 ? 2 : 3, _i);
+    session s;
+    int frame, i;
+    right(session_open(&s, &config, 9, SCENE_HARD));
+    for (frame = 0; frame < 6; frame++) {
+        int are_giants = frame == 2 || frame == 3;
+        for (i = 0; i < JUMPERS; i++) {
+            box b = in_crowd(&s.random, are_giants && i >= JUMPERS - GIANTS);
+            right(frame ? session_update(&s, handles[i], &b) : session_add(&s, &b, 0, &handles[i]));
+        }
+        right(session_commit(&s));
+        if (_i == DEFAULT && frame > 0)
+            ck_assert_int_eq(stats_of(s.world).candidates > 0, are_giants);
+    }
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("giants");
     tcase_add_loop_test(tests, giants_where_all_jumps, 0, SETUPS);
+    tcase_add_loop_test(tests, many_giants_where_all_jumps, 0, SETUPS);
     tcase_add_loop_test(tests, a_thousand_half_spaces, 0, SETUPS);
     tcase_add_loop_test(tests, a_million_cells_that_are_there, 0, SETUPS);
     tcase_add_loop_test(tests, a_million_cells_in_space, 0, SETUPS);

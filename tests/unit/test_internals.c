@@ -1,10 +1,10 @@
 /* SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * Guards: msap_validate finds what it says that it finds, and limits that no test could
- * reach by calls alone are where they should be. This is the one test that looks
- * behind the interface: it breaks one thing in the insides of a sound world, asks, and
- * puts it back.
+ * Guards: msap_validate finds what it says that it finds; limits that no test could
+ * reach by calls alone are where they should be; sorts and phases do what they should
+ * with memory and without. This is the one test that looks behind the interface. To
+ * validate, it breaks one thing in the insides of a sound world, asks, and puts it back.
  */
 #include <string.h>
 
@@ -371,6 +371,121 @@ START_TEST(tokens_end)
 }
 END_TEST
 
+/* A grid has a power of two of cells on each axis, not fewer than are wanted unless they
+ * are too many. */
+START_TEST(numbers_of_cells_end)
+{
+    ck_assert_uint_eq(msap_count_for(1), 1);
+    ck_assert_uint_eq(msap_count_for(1.5), 2);
+    ck_assert_uint_eq(msap_count_for(8), 8);
+    ck_assert_uint_eq(msap_count_for(65535.5), 65536);
+    ck_assert_uint_eq(msap_count_for(65537), 65536);
+    ck_assert_uint_eq(msap_count_for(1e300), 65536);
+}
+END_TEST
+
+/* --------------------------------------------------------------------- sorting */
+
+static int compare_keys(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Few keys and many, with repeats and without, with memory to sort in and without; those
+ * that are sorted by their high halves come in the order of their low ones. */
+START_TEST(keys_are_sorted)
+{
+    enum { MOST = 3000 };
+    static uint64_t key[MOST], expected[MOST], scratch[MOST];
+    uint64_t random = 3;
+    size_t n, i;
+    for (n = 0; n < MOST; n += 1 + n / 3) {
+        int way;
+        for (way = 0; way < 6; way++) {
+            uint64_t mask = way % 2 ? 0xFF00FF0300000000u : UINT64_MAX;
+            for (i = 0; i < n; i++)
+                expected[i] = key[i] = way < 4 ? random_next(&random) & mask
+                                               : (random_next(&random) & mask & ~(uint64_t)UINT32_MAX) | i;
+            qsort(expected, n, sizeof *expected, compare_keys);
+            if (way < 4)
+                msap_sort_keys(key, n, way < 2 ? scratch : NULL);
+            else
+                msap_sort_values(key, n, scratch);
+            for (i = 0; i < n; i++)
+                ck_assert_uint_eq(key[i], expected[i]);
+        }
+    }
+}
+END_TEST
+
+/* ---------------------------------------------------------------------- phases */
+
+enum { ITEMS = 2000, EARLIER = 5 };
+
+/* Every item comes to a fresh key, a doomed one and a pair. */
+static void find_all(void *context, struct worker *w, size_t first, size_t last)
+{
+    const size_t *before = context;
+    size_t i;
+    for (i = *before + first; i < *before + last; i++) {
+        msap_settle_change(&w->settler, i, 1);
+        msap_settle_change(&w->settler, i, 0);
+        msap_worker_put(w, i);
+    }
+}
+
+static void holds_all(const struct keys *list)
+{
+    size_t i;
+    ck_assert_uint_eq(list->n, EARLIER + ITEMS);
+    for (i = 0; i < list->n; i++)
+        ck_assert_uint_eq(list->at[i], i);
+}
+
+/* Runs the phase in tasks, with the n-th allocation failing, or all from it on; returns
+ * whether it came to an n-th. What it finds stands whole and in order behind what was
+ * found earlier, or it says that it had no memory; the list of the doomed, which always
+ * has room for those that there can be, says that of its own. */
+static int phase_is_whole(size_t n, int and_more)
+{
+    msap_config config = config_of(3, DEFAULT);
+    struct memory m;
+    struct crew crew;
+    struct worker *own = &crew.worker[0];
+    tracker t = {0};
+    size_t before = 0;
+    int done;
+    use_jobs(&config, 3, JOBS_AT_ONCE);
+    ok(msap_memory_init(&m, tracked_alloc, tracked_free, &t));
+    msap_crew_init(&crew, &config);
+    own->settler.memory = &m;
+    find_all(&before, own, 0, EARLIER);
+    before = EARLIER;
+    *(and_more ? &t.fail_from : &t.fail_at) = t.calls + n;
+    done = msap_phase_run(&crew, &m, find_all, &before, ITEMS);
+    ck_assert((done && !own->settler.has_all_doomed) || t.failures > 0);
+    if (done) {
+        holds_all(&own->settler.fresh);
+        holds_all(&own->pairs);
+    }
+    if (done && !own->settler.has_all_doomed)
+        holds_all(&own->settler.doomed);
+    msap_crew_free(&crew, &m);
+    ck_assert(t.bytes == 0 && t.wrong == 0);
+    return t.failures > 0;
+}
+
+START_TEST(any_allocation_of_a_phase_may_fail)
+{
+    size_t n = 1, enqueued = jobs_enqueued;
+    while (phase_is_whole(n, _i))
+        n++;
+    ck_assert_uint_gt(n, 10);
+    ck_assert_uint_eq(jobs_enqueued, enqueued + 2 * n);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("internals");
@@ -380,5 +495,8 @@ int main(void)
     tcase_add_loop_test(tests, no_pair_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, generations_end, 0, SETUPS);
     tcase_add_loop_test(tests, tokens_end, 0, SETUPS);
+    tcase_add_test(tests, numbers_of_cells_end);
+    tcase_add_test(tests, keys_are_sorted);
+    tcase_add_loop_test(tests, any_allocation_of_a_phase_may_fail, 0, 2);
     return run_case(tests, "internals");
 }

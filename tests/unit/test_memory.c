@@ -181,7 +181,99 @@ START_TEST(a_failed_commit_is_as_if_it_had_not_been)
 }
 END_TEST
 
+/* A cube of a lattice of 3x3x3 that are apart, or, of giants across two axes, a thin
+ * one: between two layers of the lattice, or through the first layer. */
+enum { CUBES = 27, SLABS = 60 };
+
+static box lattice_cube(int i)
+{
+    float x = (float)(i % 3) * 0.875f, y = (float)(i / 3 % 3) * 0.875f, z = (float)(i / 9) * 0.875f;
+    return box_of(x, y, z, x + 0.625f, y + 0.625f, z + 0.625f);
+}
+
+static box slab(int i, float from)
+{
+    float inf = float_of(0x7F800000), x = from + (float)i / 512;
+    return box_of(x, -inf, -inf, x, inf, inf);
+}
+
+/* All cubes jump, and the slabs with them, without meeting anything; then into pairs for
+ * which there is no memory: cubes with cubes, or slabs with cubes. */
+static void jump_into_pairs(int row, int slabs_meet)
+{
+    msap_config config = config_of(3, row);
+    msap_handle h[CUBES + SLABS];
+    session s;
+    int frame, i;
+    right(session_open(&s, &config, 1, SCENE_HARD));
+    for (frame = 0; frame < 4; frame++) {
+        for (i = 0; i < CUBES + SLABS; i++) {
+            box b = i < CUBES ? lattice_cube(frame < 3 || slabs_meet ? (i + frame) % CUBES : 0)
+                              : slab(i - CUBES, frame < 3 || !slabs_meet ? 0.6875f + (float)frame / 1024 : 0.25f);
+            right(frame ? session_update(&s, h[i], &b) : session_add(&s, &b, 0, &h[i]));
+        }
+        if (frame < 3)
+            right(session_commit(&s));
+        ck_assert_uint_eq(s.reference.pair_count, 0);
+    }
+    s.memory.fail_all = 1;
+    refused(msap_commit(s.world, NULL, NULL), MSAP_ERROR_MEMORY);
+    right(session_compare(&s));
+    s.memory.fail_all = 0;
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.event_count, slabs_meet ? SLABS * 9 : CUBES * (CUBES - 1) / 2);
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+
+START_TEST(a_jump_into_pairs_without_memory)
+{
+    jump_into_pairs(_i, 0);
+    jump_into_pairs(_i, 1);
+}
+END_TEST
+
 /* ---------------------------------------------------------------- no memory */
+
+/* The boxes of a plane go over to other cells after many more came beside it, a few in
+ * each commit, when there is no memory for that: the commits find what they should by
+ * comparing what changed with all boxes. */
+START_TEST(other_cells_need_memory_and_events_do_not)
+{
+    enum { BEFORE = 4000, BESIDE = 12000, LAST = BEFORE + BESIDE - 1 };
+    static const uint32_t strategies[] = {MSAP_STRATEGY_SLIDE, MSAP_STRATEGY_MERGE};
+    msap_config config = config_of(3, DEFAULT);
+    tracker memory = {0};
+    msap_world *world;
+    int i, frame, compared_all = 0;
+    config.strategy = strategies[_i];
+    config.margin = 0.5f;
+    config.alloc = tracked_alloc;
+    config.free = tracked_free;
+    config.allocator_user = &memory;
+    ok(msap_create(&config, &world));
+    for (i = 0; i <= LAST; i++) {
+        float x = (float)(3 * (i % 100)), y = (float)(3 * (i / 100));
+        if (i == BEFORE)
+            commit(world, 0, 0, 0);
+        add(world, box_of(x, y, 0, x + 1, y + 1, 1));
+    }
+    commit(world, 0, 0, 0);
+    memory.fail_all = 1;
+    for (frame = 1; frame < 40; frame++) { /* within its skin */
+        update(world, 1, box_of(frame % 2 ? 0.25f : 0, 0, 0, 1, 1, 1));
+        commit(world, 0, 0, 0);
+        compared_all += stats_of(world).touched >= LAST;
+    }
+    ck_assert_int_gt(compared_all, 0);
+    ck_assert_int_lt(compared_all, frame - 1);
+    memory.fail_all = 0;
+    update(world, 1, box_of(0, 0, 0, 3, 1, 1)); /* touches the next one */
+    commit(world, 0, 1, 1);
+    ok(msap_destroy(world));
+    ck_assert(memory.bytes == 0 && memory.wrong == 0);
+}
+END_TEST
 
 /* By removals and by motion, down to none, with an allocator that gives nothing. */
 START_TEST(losing_pairs_needs_no_memory)
@@ -632,6 +724,8 @@ int main(void)
     tcase_add_test(tests, create_may_fail);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
     tcase_add_loop_test(tests, a_failed_commit_is_as_if_it_had_not_been, 0, SETUPS);
+    tcase_add_loop_test(tests, a_jump_into_pairs_without_memory, 0, SETUPS);
+    tcase_add_loop_test(tests, other_cells_need_memory_and_events_do_not, 0, 2);
     tcase_add_loop_test(tests, losing_pairs_needs_no_memory, 0, SETUPS);
     tcase_add_loop_test(tests, losing_pairs_needs_no_memory_at_any_time, 0, SETUPS);
     tcase_add_loop_test(tests, losing_all_pairs_needs_no_memory, 0, SETUPS);
