@@ -256,7 +256,6 @@ static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
     if (!is) msap_settle_change(s, pair_key(a, b), 0);
 }
 
-
 void msap_touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
@@ -570,7 +569,8 @@ struct row_sweep {
 };
 
 /* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. */
-typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end, struct pair_buffer *out);
+typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end,
+                             struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
@@ -663,12 +663,13 @@ static inline int skin_is_baggy(const struct place *p, const struct box *b, cons
     return skin_is_old(p, g) && msap_skin_is_far_wider(p, b, g);
 }
 
-/* ----------------------------------- rebuild.c, jump.c, track.c, grid_check.c */
+/* -------------------------- rebuild.c, jump.c, track.c, touch.c, grid_check.c */
 
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
+int msap_grid_touch(const struct grid *g, struct job *job);
 void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);
 const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);

@@ -92,8 +92,9 @@ static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, c
  * in all, without a branch. Returns how many they are. */
 __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, const uint32_t *id, uint32_t found)
 {
-    static const int32_t order[16][4] = {{0}, {0}, {1}, {0, 1}, {2}, {0, 2}, {1, 2}, {0, 1, 2},
-                                         {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+    static const int32_t order[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
+                                         {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
+                                         {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
     __m128 four_ids = _mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)id));
     __m128i packed = _mm_castps_si128(
         _mm_permutevar_ps(four_ids, _mm_loadu_si128((const __m128i *)(const void *)order[found])));
@@ -127,7 +128,8 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 /* ------------------------------------------------------------- sweeping rows */
 
-static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end, struct pair_buffer *out)
+static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end,
+                               struct pair_buffer *out)
 {
     uint32_t i = at->i, j = at->j;
     for (out->n = 0; i < end; i++, j = i + 1) {
@@ -136,8 +138,8 @@ static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, ui
         for (; j < end && s->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
             out->a[out->n] = s->id[i];
             out->b[out->n] = s->id[j];
-            out->n += !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) |
-                        (min2 > s->max[2][j]));
+            out->n +=
+                !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]));
         }
         if (out->n == MOST_BUFFERED) break;
     }

@@ -72,7 +72,8 @@ static struct motion motion_of(const struct box *b)
     m.down = _mm_sub_ps(m.low, three_values(b->before.min));
     m.up = _mm_sub_ps(m.high, three_values(b->before.max));
     m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
-    m.step = largest(_mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
+    m.step = largest(
+        _mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
     return m;
 }
 

@@ -9,7 +9,12 @@
  *    new fat bounds.
  * 3. They ask their cells what their neighbours are now.
  * 4. Their lists are changed accordingly; neighbours lost are touched.
- * 5. Every changed box touches all its neighbours.
+ * 5. Every changed box touches all its neighbours (touch.c).
+ *
+ * Steps 2 to 4 are taken for a few boxes at a time, whose cells are still in the cache
+ * when they are asked; for all at once where workers share the asking. Either comes to the
+ * same, since what two boxes are to each other is decided anew by each that is moved, and
+ * so by the last one of them, when both have their new fat bounds.
  *
  * A pair that overlaps now are neighbours after step 4, and are touched in step 5
  * if one of them changed. A pair that overlapped before were neighbours before, and
@@ -21,8 +26,6 @@
  * elsewhere, one by one is not the way: if their motion says that new skins will last,
  * all cells and lists are made anew (rebuild.c), else nothing is kept (jump.c). */
 #include "cells.h"
-
-enum { AHEAD = 8 };
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
@@ -38,6 +41,7 @@ static int is_misplaced(const struct grid *g, const struct box *b, uint32_t slot
 /* Puts the misplaced ones of the changed boxes first. Returns how many they are. */
 static size_t misplaced_first(const struct grid *g, const struct box_table *t)
 {
+    enum { AHEAD = 8 };
     const struct box *boxes = t->at;
     uint32_t *changed = t->changed;
     size_t n = 0, n_changed = t->n_changed;
@@ -206,77 +210,6 @@ static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, s
     return 1;
 }
 
-/* ------------------------------------------------------------------ step 5 */
-
-/* The pairs of boxes with neighbours above, whose entries tell whether they were. */
-static void settle_above(struct settler *s, const struct pair_buffer *p, size_t n)
-{
-    const struct box *boxes = s->boxes;
-    s->touched += n;
-    for (size_t i = 0; i < n; i++) {
-        uint32_t a = p->a[i], entry = p->b[i], b = near_slot(entry);
-        int is = overlap(&boxes[a].now, &boxes[b].now);
-        if (is != (int)(entry >> 31)) msap_settle_change(s, (uint64_t)a << 32 | b, is);
-    }
-}
-
-/* Appends the pairs of a box with neighbours above to the n that are buffered: four at a
- * time, whether or not there are as many, since a list has room for fours. Returns how
- * many are buffered then. */
-static inline size_t buffer_above(struct settler *s, struct pair_buffer *p, size_t n, uint32_t slot,
-                                  const struct near_list *l)
-{
-    for (uint32_t i = 0; l->at; i += 4) {
-        uint32_t left = l->n_above - i;
-        set_four(p->a + n, slot);
-        copy_four(p->b + n, l->at + i);
-        n += left < 4 ? left : 4;
-        if (n >= MOST_BUFFERED) {
-            settle_above(s, p, n);
-            n = 0;
-        }
-        if (left <= 4) break;
-    }
-    return n;
-}
-
-/* Every pair once, from the lower box, whether or not a box of it changed. */
-static void touch_all(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct near_list *of = ((const struct tracking *)context)->grid->near.of;
-    struct pair_buffer above;
-    size_t n = 0;
-    for (uint32_t slot = (uint32_t)first; slot < last; slot++)
-        n = buffer_above(&w->settler, &above, n, slot, &of[slot]);
-    settle_above(&w->settler, &above, n);
-}
-
-/* Every pair of a changed box; of two changed boxes from the lower one. */
-static void touch_changed(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct tracking *t = context;
-    const struct box *boxes = t->job->boxes->at;
-    struct pair_buffer above;
-    size_t n = 0;
-    for (size_t c = first; c < last; c++) {
-        uint32_t slot = t->slot[c];
-        const struct near_list *l = &t->grid->near.of[slot];
-        if (c + AHEAD < last) prefetch(t->grid->near.of[t->slot[c + AHEAD]].at);
-        n = buffer_above(&w->settler, &above, n, slot, l);
-        for (uint32_t i = l->n_above; i < l->n; i++)
-            if (!(boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
-    }
-    settle_above(&w->settler, &above, n);
-}
-
-static int touch_neighbours(struct grid *g, struct job *job)
-{
-    const struct box_table *t = job->boxes;
-    struct tracking all = {g, job, t->changed};
-    if (t->n_changed * 4 >= t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
-    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
-}
-
 /* ---------------------------------------------------------------- choosing */
 
 /* What putting one box elsewhere costs, and taking one out, in boxes pruned when all are
@@ -318,7 +251,7 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
         n = misplaced - i < most ? misplaced - i : most;
         if (!relocate_all(g, job, changed + i, n)) return 0;
     }
-    return touch_neighbours(g, job);
+    return msap_grid_touch(g, job);
 }
 
 /* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
@@ -349,38 +282,4 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
         return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
-}
-
-/* Notes n events of one lower box in its list: many in one walk. */
-static void note_events_of_one(struct grid *g, const uint64_t *event, size_t n, int is_pair)
-{
-    enum { MANY = 4 };
-    if (n < MANY) {
-        for (size_t i = 0; i < n; i++) msap_near_mark(&g->near, event[i], is_pair);
-        return;
-    }
-    struct near_list *l = &g->near.of[event[0] >> 32];
-    msap_grid_new_token(g);
-    for (size_t i = 0; i < n; i++) g->tag[(uint32_t)event[i]] = g->token;
-    for (uint32_t i = 0; i < l->n_above; i++) {
-        uint32_t other = near_slot(l->at[i]);
-        if (g->tag[other] == g->token) l->at[i] = is_pair ? other | NEAR_PAIR : other;
-    }
-}
-
-static void note_events(struct grid *g, const struct keys *events, int is_pair)
-{
-    for (size_t first = 0, last; first < events->n; first = last) {
-        uint64_t low = events->at[first] >> 32;
-        for (last = first + 1; last < events->n && events->at[last] >> 32 == low; last++) continue;
-        note_events_of_one(g, events->at + first, last - first, is_pair);
-    }
-}
-
-/* The events of a commit that succeeded: lists are to know the pairs. */
-void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed)
-{
-    if (!g->is_tracking) return;
-    note_events(g, fresh, 1);
-    note_events(g, doomed, 0);
 }
