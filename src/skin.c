@@ -212,8 +212,9 @@ float msap_skin_lifetime(const struct box *b)
 }
 
 /* A box that comes into the grid has no past to learn from. Unless a margin is given or
- * it is static, it gets a skin for its motion or, if it has none yet, up to an eighth of
- * its size on all sides. */
+ * it is static, it gets a skin for its motion or, if it has none yet, up to a quarter of
+ * its size on all sides: of all widths, so that boxes that are put in together and then
+ * start to move do not all leave their first skins in one commit. */
 void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
 {
     p->horizon = HORIZON_FIRST;
@@ -226,7 +227,7 @@ void msap_skin_first(struct place *p, const struct box *b, const struct grid *g,
     p->fat = b->now;
     if (b->flags & BOX_STATIC) return;
     struct motion m = motion_of(b);
-    float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 4;
+    float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
     if (m.step > 0) follow(p, &m, part);
     else if (aside < FAR) reach_out(p, &m, 0, aside);
 }
