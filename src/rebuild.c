@@ -161,7 +161,7 @@ static int ask(struct rebuild *r)
     enum { FEW = 64 }; /* cells that a coarse box would have to visit, more or less */
     size_t coarse = r->layout->boxes - r->layout->level[0].boxes;
     phase_fn run = coarse < r->layout->boxes / FEW ? ask_finer : ask_coarser;
-    return coarse == 0 || msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used);
+    return coarse == 0 || msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used, WEIGHT_LEVELS);
 }
 
 /* Makes the pairs that were found neighbours, each once: repeats come together. */
@@ -184,8 +184,9 @@ static int find_pairs(struct rebuild *r)
     struct grid *g = r->grid;
     struct crew *crew = r->job->crew;
     struct memory *m = r->job->memory;
+    size_t n = r->layout->n_cells, weight = r->layout->boxes * WEIGHT_CELL_BOX / (n + 1) + 1;
     crew->worker[0].pairs.n = 0;
-    if (!msap_phase_run(crew, m, sweep_cells, r, r->layout->n_cells)) return 0;
+    if (!msap_phase_run(crew, m, sweep_cells, r, n, weight)) return 0;
     return ask(r) && make_lists(g, r->job);
 }
 
@@ -217,7 +218,7 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
     r.range = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used));
-    if (!r.range || !msap_phase_run(job->crew, job->memory, fit, &r, t->used)) return 0;
+    if (!r.range || !msap_phase_run(job->crew, job->memory, fit, &r, t->used, WEIGHT_SKIN)) return 0;
     count(&r);
     if (!make_cells(l, &g->pool, job->memory)) return 0;
     fill_cells(&r);

@@ -132,6 +132,9 @@ struct tracking {
     const uint32_t *slot;
 };
 
+/* How many pairs a box has, by the last commit. */
+static size_t pairs_of_a_box(const struct job *job) { return job->pairs->active / (job->boxes->live + 1); }
+
 static void ask(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct tracking *t = context;
@@ -186,7 +189,8 @@ static int renew_lists(struct grid *g, struct job *job, const uint32_t *slot, si
     struct keys *found = &job->crew->worker[0].pairs;
     struct tracking t = {g, job, slot};
     found->n = 0;
-    if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
+    size_t weight = WEIGHT_QUERY + WEIGHT_FOUND * pairs_of_a_box(job);
+    if (!msap_phase_run(job->crew, job->memory, ask, &t, n, weight)) return 0;
     for (size_t i = 0, at = 0; i < n; i++)
         if (!renew_list(g, job, slot[i], found, &at)) return 0;
     return 1;
@@ -260,8 +264,10 @@ static int touch_neighbours(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct tracking all = {g, job, t->changed};
-    if (t->n_changed * 4 >= t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
-    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
+    size_t weight = WEIGHT_TOUCH * (1 + pairs_of_a_box(job) / 2);
+    if (t->n_changed * 4 >= t->live * 3)
+        return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used, weight);
+    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed, weight);
 }
 
 /* ---------------------------------------------------------------- choosing */
