@@ -47,6 +47,7 @@ msap_config take_config(input *in, uint32_t dims)
         take_fixed_grid(in, &config);
     if (crew > 1)
         use_jobs(&config, crew, jobs[kind / 96 % COUNT(jobs)]);
+    config.task_grain = 16; /* so that the few boxes get tasks */
     return config;
 }
 

@@ -200,6 +200,8 @@ typedef struct msap_config {
     uint32_t simd;        /* an msap_simd; default MSAP_SIMD_AUTO */
     uint32_t max_boxes;   /* msap_add refuses more with MSAP_ERROR_FULL; default MSAP_MAX_BOXES */
     uint32_t workers;     /* into how many tasks a commit may be cut, 1 to 64; default 1: none. Needs enqueue */
+    uint32_t task_grain;  /* how much work is worth a task, in boxes touched; 0 (the default): 24576, about 150
+                             microseconds. Less is for hosts whose tasks start sooner */
     float margin;         /* Multi-SAP: by how much the cells' idea of a box is wider than the box, in the unit of
                              the bounds, 0 or more; or MSAP_MARGIN_AUTO (the default). Never seen in the events */
     float cell_size;      /* MSAP_GRID_AUTO: least width of a cell; 0 (the default): chosen from the boxes */

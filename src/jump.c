@@ -236,10 +236,11 @@ int msap_grid_jump(struct grid *g, struct job *job)
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
-    start_rows(&j, (size_t)r->count[0] * r->count[1]);
+    size_t rows = (size_t)r->count[0] * r->count[1];
+    start_rows(&j, rows);
     fill_rows(&j);
-    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, (size_t)r->count[0] * r->count[1]) ||
-        !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide))
+    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, rows, entries * WEIGHT_ROW_BOX / rows + 1) ||
+        !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))
         return 0;
     msap_touch_known_pairs(job);
     return 1;

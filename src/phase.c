@@ -9,17 +9,21 @@
  * items, so that the buffers one after another hold what one worker alone would
  * have written: the merge is a concatenation, and the same at any number of workers.
  *
- * Workers do not allocate. One whose buffers overflow notes it and goes on; the
- * calling thread then enlarges them and does the part again. On one worker, which
- * is the calling thread, the buffers simply grow. */
+ * Waking a thread takes as long as touching thousands of boxes. So a phase is cut only
+ * into parts that are worth it, by what an item of it costs.
+ *
+ * Workers do not allocate. One whose buffers overflow goes on and counts what it finds;
+ * the calling thread then gives it that much room, and the task is run once more. On one
+ * worker, which is the calling thread, the buffers simply grow. */
 #include "internal.h"
 
-enum { ITEMS_WORTH_A_TASK = 512 };
+enum { DEFAULT_GRAIN = 24576 };
 
 void msap_crew_init(struct crew *crew, const msap_config *config)
 {
     memset(crew, 0, sizeof *crew);
     crew->size = config->workers;
+    crew->grain = config->task_grain ? config->task_grain : DEFAULT_GRAIN;
     crew->enqueue = config->enqueue;
     crew->finish = config->finish;
     crew->jobs_user = config->jobs_user;
@@ -83,13 +87,16 @@ static void forget(struct worker *w)
     w->settler.lost = w->settler.has_all_doomed = 0;
 }
 
-/* Enlarges the buffers of a worker that overflowed. Returns 0 without memory. */
+/* Gives the buffers of a worker room for more than it had for them. Returns 0 without
+ * memory. */
 static int enlarge(struct worker *w, struct memory *m)
 {
     struct keys *buffers[3] = {&w->settler.fresh, &w->settler.doomed, &w->pairs};
-    for (int i = 0; i < 3; i++)
-        if (buffers[i]->n == buffers[i]->room && !msap_keys_reserve(buffers[i], m, 2 * buffers[i]->room + 256))
-            return 0;
+    for (int i = 0; i < 3; i++) {
+        size_t wanted = buffers[i]->n + buffers[i]->n / 4 + 256;
+        buffers[i]->n = 0;
+        if (!msap_keys_reserve(buffers[i], m, wanted)) return 0;
+    }
     return 1;
 }
 
@@ -110,45 +117,66 @@ static int merge(struct worker *to, const struct worker *from, struct memory *m)
            append(&to->settler.doomed, &from->settler.doomed, m) && append(&to->pairs, &from->pairs, m);
 }
 
-/* Does a part again until its buffers suffice. */
-static int complete(struct task *t, struct memory *m)
+/* Runs n tasks, the first of them here. */
+static void run_all(const struct crew *crew, struct task *const *task, size_t n)
 {
-    while (t->worker->settler.lost) {
-        if (!enlarge(t->worker, m)) return 0;
-        forget(t->worker);
-        run_task(t);
+    void *ticket[MOST_WORKERS];
+    for (size_t i = 0; i < n; i++) forget(task[i]->worker);
+    for (size_t i = 1; i < n; i++) ticket[i] = crew->enqueue(crew->jobs_user, run_task, task[i]);
+    run_task(task[0]);
+    for (size_t i = 1; i < n; i++)
+        if (ticket[i]) crew->finish(crew->jobs_user, ticket[i]);
+}
+
+/* Runs n tasks, and those that found more than they had room for once more. Returns 0
+ * without memory. */
+static int run_until_complete(const struct crew *crew, struct memory *m, struct task **task, size_t n)
+{
+    while (n > 0) {
+        size_t again = 0;
+        run_all(crew, task, n);
+        for (size_t i = 0; i < n; i++) {
+            if (!task[i]->worker->settler.lost) continue;
+            if (!enlarge(task[i]->worker, m)) return 0;
+            task[again++] = task[i];
+        }
+        n = again;
     }
     return 1;
 }
 
 static int run_in_tasks(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t tasks)
 {
-    struct task task[MOST_WORKERS];
-    void *ticket[MOST_WORKERS];
-    int done = 1;
+    struct task task[MOST_WORKERS], *to_run[MOST_WORKERS];
+    int done;
     for (size_t i = 0; i < tasks; i++) {
         struct task t = {run, context, &crew->worker[i + 1], n * i / tasks, n * (i + 1) / tasks};
         task[i] = t;
-        forget(t.worker);
+        to_run[i] = &task[i];
         t.worker->settler.boxes = crew->worker[0].settler.boxes;
     }
-    for (size_t i = 1; i < tasks; i++) ticket[i] = crew->enqueue(crew->jobs_user, run_task, &task[i]);
-    run_task(&task[0]);
-    for (size_t i = 1; i < tasks; i++)
-        if (ticket[i]) crew->finish(crew->jobs_user, ticket[i]);
-    for (size_t i = 0; i < tasks; i++)
-        done = done && complete(&task[i], m) && merge(&crew->worker[0], task[i].worker, m);
+    done = run_until_complete(crew, m, to_run, tasks);
+    for (size_t i = 0; i < tasks; i++) done = done && merge(&crew->worker[0], task[i].worker, m);
     return done;
 }
 
-/* Runs a phase over n items; its output is appended to that of worker 0. Without the
- * memory for tasks the calling thread does all. Returns 0 if that lacks memory too. */
-int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n)
+/* Into how many tasks n items of a weight are worth being cut: no more than there are workers
+ * or items. */
+static size_t tasks_for(const struct crew *crew, size_t n, size_t weight)
+{
+    double worth = (double)n * (double)weight / (double)crew->grain;
+    size_t most = n < crew->size ? n : crew->size;
+    return worth < (double)most ? (size_t)worth : most;
+}
+
+/* Runs a phase over n items of a weight (internal.h); its output is appended to that of
+ * worker 0. Without the memory for tasks the calling thread does all. Returns 0 if that
+ * lacks memory too. */
+int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t weight)
 {
     struct worker *own = &crew->worker[0];
     size_t fresh = own->settler.fresh.n, doomed = own->settler.doomed.n, pairs = own->pairs.n;
-    size_t tasks = n / ITEMS_WORTH_A_TASK + 1;
-    if (tasks > crew->size) tasks = crew->size;
+    size_t tasks = tasks_for(crew, n, weight);
     if (tasks > 1 && run_in_tasks(crew, m, run, context, n, tasks)) return 1;
     own->settler.fresh.n = fresh;
     own->settler.doomed.n = doomed;
@@ -157,29 +185,29 @@ int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *cont
     return !own->settler.lost;
 }
 
-/* Whether the worker's buffer has room for n more pairs; if not it counts as full. A buffer
- * that lacked memory once is not asked for it again. */
-static int has_room(struct worker *w, size_t n)
+/* Whether the worker's buffer has room for n more pairs and some slack; if not they are
+ * counted. A buffer that lacked memory once is not asked for it again. */
+static int has_room(struct worker *w, size_t n, size_t slack)
 {
-    if (w->pairs.room - w->pairs.n >= n) return 1;
-    if (!w->settler.lost && w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, w->pairs.n + n))
-        return 1;
+    size_t need = w->pairs.n + n + slack;
+    if (need <= w->pairs.room) return 1;
+    if (!w->settler.lost && w->settler.memory && msap_keys_reserve(&w->pairs, w->settler.memory, need)) return 1;
     w->settler.lost = 1;
-    w->pairs.n = w->pairs.room;
+    w->pairs.n += n;
     return 0;
 }
 
 /* Appends a pair to the worker's buffer. */
 void msap_worker_put(struct worker *w, uint64_t key)
 {
-    if (has_room(w, 1)) w->pairs.at[w->pairs.n++] = key;
+    if (has_room(w, 1, 0)) w->pairs.at[w->pairs.n++] = key;
 }
 
 /* Appends the pairs of a slot with the first n that a sweep has found: four at a time,
  * whether or not there are as many. */
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
 {
-    if (!has_room(w, n + 4)) return;
+    if (!has_room(w, n, 4)) return;
     uint64_t *pair = w->pairs.at + w->pairs.n;
     for (size_t i = 0; i < n; i += 4) pairs_of_four(pair + i, self, w->found + i);
     w->pairs.n += n;

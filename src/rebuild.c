@@ -270,7 +270,7 @@ static int ask(struct rebuild *r)
     size_t coarse = r->layout->boxes - r->layout->level[0].boxes, found = w->pairs.n;
     phase_fn run = coarse < r->layout->boxes / FEW ? ask_finer : ask_coarser;
     if (coarse == 0) return 1;
-    if (!msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used)) return 0;
+    if (!msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used, WEIGHT_LEVELS)) return 0;
     settle_asked(r, w, found);
     return !w->settler.lost;
 }
@@ -298,7 +298,8 @@ static int make_grid(struct rebuild *r)
     struct job *job = r->job;
     size_t length;
     if (!place_arrays(r, 0)) return 0;
-    msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used); /* finds nothing, so it cannot lack memory */
+    /* It finds nothing, so it cannot lack memory. */
+    msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used, WEIGHT_SKIN);
     count(r);
     if (!make_cells(r, &length) || !place_arrays(r, length)) return 0;
     list(r);
@@ -310,8 +311,9 @@ static int find_neighbours(struct rebuild *r)
 {
     struct crew *crew = r->job->crew;
     struct memory *m = r->job->memory;
+    size_t n = r->layout->n_cells, weight = r->layout->boxes * WEIGHT_CELL_BOX / n + 1;
     crew->worker[0].pairs.n = 0;
-    return msap_phase_run(crew, m, make_rows, r, r->layout->n_cells) && ask(r) &&
+    return msap_phase_run(crew, m, make_rows, r, n, weight) && ask(r) &&
            msap_near_make(&r->grid->near, m, &crew->worker[0].pairs, r->job->boxes->used);
 }
 

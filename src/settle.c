@@ -34,14 +34,19 @@ static int make_room(struct settler *s, struct keys *list)
     return list->n < list->room;
 }
 
-/* The list is full. A worker leaves it at that (phase.c). On the calling thread the list
+/* The list is full. A worker counts on (phase.c). On the calling thread the list
  * of fresh pairs may lack memory, and then this commit fails; that of the doomed holds
  * all known pairs when it has no room left, this one among them. */
 static void put_into_full(struct settler *s, struct keys *list, uint64_t key, int is)
 {
+    if (!s->memory) {
+        s->lost = 1;
+        list->n++;
+        return;
+    }
     if (s->lost || (!is && s->has_all_doomed)) return;
-    if (s->memory && make_room(s, list)) list->at[list->n++] = key;
-    else if (is || !s->memory) s->lost = 1;
+    if (make_room(s, list)) list->at[list->n++] = key;
+    else if (is) s->lost = 1;
     else s->has_all_doomed = 1;
 }
 
@@ -63,7 +68,7 @@ static void touch_known(void *context, struct worker *w, size_t first, size_t la
 /* Touches the known pairs. It cannot lack memory: the list of the doomed has room for them all. */
 void msap_touch_known_pairs(struct job *job)
 {
-    msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active);
+    msap_phase_run(job->crew, job->memory, touch_known, job, job->pairs->active, WEIGHT_KNOWN);
 }
 
 /* The last resort, when there is no memory for anything better: touches every pair

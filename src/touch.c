@@ -84,8 +84,10 @@ int msap_grid_touch(const struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct touching all = {g->near.of, t->at, t->changed};
-    if (t->n_changed * 4 >= t->live * 3) return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used);
-    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed);
+    size_t weight = WEIGHT_TOUCH * (1 + pairs_of_a_box(job) / 2);
+    if (t->n_changed * 4 >= t->live * 3)
+        return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used, weight);
+    return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed, weight);
 }
 
 /* ------------------------------------------------------------------ events */

@@ -203,7 +203,8 @@ static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, s
     found->n = 0;
     for (size_t i = 0; i < n; i++)
         if (!relocate(g, job, slot[i])) return 0;
-    if (!msap_phase_run(job->crew, job->memory, ask, &t, n)) return 0;
+    if (!msap_phase_run(job->crew, job->memory, ask, &t, n, WEIGHT_QUERY + WEIGHT_FOUND * pairs_of_a_box(job)))
+        return 0;
     for (size_t i = 0, at = 0; i < n; i++)
         if (!renew_list(g, job, slot[i], found, &at)) return 0;
     msap_near_tidy(&g->near, is_near, g);

@@ -216,6 +216,7 @@ void use_jobs(msap_config *config, uint32_t workers, job_system jobs)
                                                         threads_enqueue};
     static const msap_finish_fn finish[JOBS_COUNT] = {NULL, at_once_finish, late_finish, pool_finish, threads_finish};
     config->workers = workers;
+    config->task_grain = 256;
     config->enqueue = enqueue[jobs];
     config->finish = finish[jobs];
 }

@@ -22,7 +22,8 @@ typedef enum job_system {
     JOBS_COUNT
 } job_system;
 
-/* Sets the config's workers and hooks. */
+/* Sets the config's workers and hooks, and so small a grain that a few hundred boxes get
+ * tasks. */
 void use_jobs(msap_config *config, uint32_t workers, job_system jobs);
 
 /* Tasks that were enqueued so far and tasks that were waited for, in all job systems;

@@ -39,6 +39,7 @@ START_TEST(defaults)
     ck_assert_uint_eq(config.simd, MSAP_SIMD_AUTO);
     ck_assert_uint_eq(config.max_boxes, MSAP_MAX_BOXES);
     ck_assert_uint_eq(config.workers, 1);
+    ck_assert_uint_eq(config.task_grain, 0);
     ck_assert(config.margin == MSAP_MARGIN_AUTO && config.cell_size == 0);
     ck_assert(config.grid_cells[0] == 1 && config.grid_cells[1] == 1 && config.grid_cells[2] == 1);
     ck_assert(!config.alloc && !config.free && !config.allocator_user);
@@ -254,6 +255,10 @@ START_TEST(create_accepts_edges)
     create_accepts(&config);
     config = config_of(2, DEFAULT);
     use_jobs(&config, 64, JOBS_AT_ONCE);
+    create_accepts(&config);
+    config.task_grain = 1;
+    create_accepts(&config);
+    config.task_grain = UINT32_MAX;
     create_accepts(&config);
     config.workers = 1; /* with job hooks that are not used */
     create_accepts(&config);

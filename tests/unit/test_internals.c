@@ -463,7 +463,7 @@ static int phase_is_whole(size_t n, int and_more)
     find_all(&before, own, 0, EARLIER);
     before = EARLIER;
     *(and_more ? &t.fail_from : &t.fail_at) = t.calls + n;
-    done = msap_phase_run(&crew, &m, find_all, &before, ITEMS);
+    done = msap_phase_run(&crew, &m, find_all, &before, ITEMS, 512);
     ck_assert((done && !own->settler.has_all_doomed) || t.failures > 0);
     if (done) {
         holds_all(&own->settler.fresh);
@@ -482,7 +482,7 @@ START_TEST(any_allocation_of_a_phase_may_fail)
     while (phase_is_whole(n, _i))
         n++;
     ck_assert_uint_gt(n, 10);
-    ck_assert_uint_eq(jobs_enqueued, enqueued + 2 * n);
+    ck_assert_uint_ge(jobs_enqueued, enqueued + 2 * n);
 }
 END_TEST
 

@@ -27,6 +27,7 @@ static void *own_world(void *argument)
     config.strategy = (uint32_t)number;
     if (shared) {
         config.workers = 3;
+        config.task_grain = 256;
         config.enqueue = thread_pool_enqueue;
         config.finish = thread_pool_finish;
         config.jobs_user = shared;

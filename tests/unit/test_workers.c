@@ -13,6 +13,7 @@
 
 #define BOXES 9000 /* enough for 16 tasks over the boxes */
 #define WORLDS 9
+#define SMALL_GRAIN 256
 
 /* The same boxes in several worlds. The first has one worker. */
 typedef struct choir {
@@ -30,7 +31,7 @@ static const struct {
     {2, JOBS_POOL},    {4, JOBS_POOL},    {16, JOBS_POOL},    {4, JOBS_THREADS},
 };
 
-static choir *choir_open(const msap_config *config)
+static choir *choir_open(const msap_config *config, uint32_t grain)
 {
     static choir c;
     int w;
@@ -39,6 +40,7 @@ static choir *choir_open(const msap_config *config)
         msap_config own = *config;
         if (hosts[w].jobs != JOBS_NONE)
             use_jobs(&own, hosts[w].workers, hosts[w].jobs);
+        own.task_grain = grain;
         right(session_open(&c.s[w], &own, 0, SCENE_GRID));
     }
     c.random = 11;
@@ -180,7 +182,7 @@ static msap_config config_for(int set_up)
 START_TEST(workers_come_to_the_same)
 {
     msap_config config = config_for(_i);
-    choir *c = choir_open(&config);
+    choir *c = choir_open(&config, SMALL_GRAIN);
     int frame;
     choose_bounds(c, 0, BOXES);
     choir_add(c, 0, BOXES, 0);
@@ -217,7 +219,7 @@ END_TEST
 START_TEST(workers_find_more_than_they_have_room_for)
 {
     msap_config config = config_for(_i);
-    choir *c = choir_open(&config);
+    choir *c = choir_open(&config, SMALL_GRAIN);
     int i, round;
     for (i = 0; i < 560; i++)
         c->bounds[i] = cube((float)(i / 140), (float)(i / 140) + 0.5f); /* four heaps */
@@ -242,7 +244,7 @@ START_TEST(workers_ask_for_giants)
 {
     const float infinity = float_of(0x7F800000);
     msap_config config = config_for(_i);
-    choir *c = choir_open(&config);
+    choir *c = choir_open(&config, SMALL_GRAIN);
     int i, frame;
     choose_bounds(c, 0, 1600);
     for (i = 0; i < 1000; i++)
@@ -263,17 +265,22 @@ END_TEST
 
 /* ------------------------------------------------------------- small scenes */
 
-/* What is too little for a task is done without one. */
+/* What is too little for a task is done without one: by default, the commits of a few
+ * hundred boxes. */
 START_TEST(little_work_is_not_cut)
 {
     msap_config config = config_for(_i);
-    choir *c = choir_open(&config);
-    choose_bounds(c, 0, 60);
-    choir_add(c, 0, 60, 0);
+    choir *c = choir_open(&config, 0);
+    choose_bounds(c, 0, 500);
+    choir_add(c, 0, 500, 0);
     choir_commit(c, 0);
-    step_aside(c, 0, 60, 1);
-    choir_update(c, 0, 60);
+    step_aside(c, 0, 500, 1);
+    choir_update(c, 0, 500);
     choir_commit(c, 0);
+    choose_bounds(c, 0, 500);
+    choir_update(c, 0, 500);
+    choir_commit(c, 0);
+    choir_is_right(c, 500);
     choir_close(c);
 }
 END_TEST
@@ -285,7 +292,7 @@ START_TEST(a_single_sap_with_workers)
     choir *c;
     int i, round;
     config.strategy = MSAP_STRATEGY_SWEEP;
-    c = choir_open(&config);
+    c = choir_open(&config, SMALL_GRAIN);
     for (i = 0; i < 200; i++)
         c->bounds[i] = cube((float)(i % 5), (float)(i % 5 + 1));
     choir_add(c, 0, 200, 0);
@@ -342,6 +349,7 @@ START_TEST(hooks_and_allocator_are_called_by_the_caller)
     inner = config;
     use_jobs(&inner, 4, JOBS_THREADS);
     config.workers = 4;
+    config.task_grain = inner.task_grain;
     config.enqueue = watched_enqueue;
     config.finish = watched_finish;
     config.jobs_user = &caller;
@@ -377,25 +385,67 @@ static void counting_finish(void *user, void *ticket)
     at_once--;
 }
 
+/* Into how many tasks a commit cut any part of its work at most: one in which so many boxes
+ * come or, if `come` is 0, are updated to where they were. */
+static size_t most_tasks(msap_world *world, msap_handle *handles, int boxes, int come)
+{
+    int n;
+    most_at_once = 0;
+    for (n = 0; n < boxes; n++) {
+        box b = bar((float)(2 * n), (float)(2 * n + 1));
+        if (come)
+            handles[n] = add(world, b);
+        else
+            update(world, handles[n], b);
+    }
+    ok(msap_commit(world, NULL, NULL));
+    ck_assert_uint_eq(at_once, 0);
+    return most_at_once + 1;
+}
+
+static msap_world *counted_world(uint32_t workers, uint32_t grain)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_world *world;
+    config.workers = workers;
+    config.task_grain = grain;
+    config.enqueue = counting_enqueue;
+    config.finish = counting_finish;
+    config.jobs_user = &at_once;
+    ok(msap_create(&config, &world));
+    return world;
+}
+
+static msap_handle counted[20000];
+
 START_TEST(so_many_tasks_as_workers)
 {
     static const uint32_t workers[] = {1, 2, 5, 16, 64};
     size_t i;
     for (i = 0; i < COUNT(workers); i++) {
-        msap_config config = config_of(3, DEFAULT);
-        msap_world *world;
-        int n;
-        config.workers = workers[i];
-        config.enqueue = counting_enqueue;
-        config.finish = counting_finish;
-        config.jobs_user = &at_once;
-        most_at_once = 0;
-        ok(msap_create(&config, &world));
-        for (n = 0; n < 40000; n++)
-            add(world, bar((float)(2 * n), (float)(2 * n + 1)));
-        ok(msap_commit(world, NULL, NULL));
-        ck_assert_uint_eq(most_at_once, workers[i] - 1);
-        ck_assert_uint_eq(at_once, 0);
+        msap_world *world = counted_world(workers[i], 1024);
+        ck_assert_uint_eq(most_tasks(world, counted, 20000, 1), workers[i]);
+        ok(msap_destroy(world));
+    }
+}
+END_TEST
+
+/* Where all boxes are updated and stay in their skins, each is touched, and that is all. */
+START_TEST(so_many_tasks_as_are_worth_it)
+{
+    static const struct {
+        uint32_t grain;
+        int boxes;
+        size_t tasks;
+    } cases[] = {
+        {0, 20000, 1},   {16384, 20000, 1}, {10001, 20000, 1}, {10000, 20000, 2}, {6667, 20000, 2},
+        {1000, 6000, 6}, {1001, 6000, 5},   {1, 3, 3},         {1, 1, 1},         {UINT32_MAX, 20000, 1},
+    };
+    size_t i;
+    for (i = 0; i < COUNT(cases); i++) {
+        msap_world *world = counted_world(64, cases[i].grain);
+        most_tasks(world, counted, cases[i].boxes, 1);
+        ck_assert_uint_eq(most_tasks(world, counted, cases[i].boxes, 0), cases[i].tasks);
         ok(msap_destroy(world));
     }
 }
@@ -407,9 +457,10 @@ int main(void)
     tcase_add_loop_test(tests, workers_come_to_the_same, 0, CONFIGS);
     tcase_add_loop_test(tests, workers_find_more_than_they_have_room_for, 0, CONFIGS);
     tcase_add_loop_test(tests, workers_ask_for_giants, 0, CONFIGS);
-    tcase_add_loop_test(tests, little_work_is_not_cut, 0, CONFIGS - 1); /* a fixed grid has many cells */
+    tcase_add_loop_test(tests, little_work_is_not_cut, 0, CONFIGS);
     tcase_add_test(tests, a_single_sap_with_workers);
     tcase_add_loop_test(tests, hooks_and_allocator_are_called_by_the_caller, 0, MSAP_STRATEGY_SWEEP + 1);
     tcase_add_test(tests, so_many_tasks_as_workers);
+    tcase_add_test(tests, so_many_tasks_as_are_worth_it);
     return run_case(tests, "workers");
 }

@@ -154,6 +154,7 @@ STRUCTS = {
         ("simd", "uint32_t"),
         ("max_boxes", "uint32_t"),
         ("workers", "uint32_t"),
+        ("task_grain", "uint32_t"),
         ("margin", "float"),
         ("cell_size", "float"),
         ("grid_cells", "uint32_t[3]"),

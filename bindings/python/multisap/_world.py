@@ -117,6 +117,7 @@ class World:
         simd: Optional[int] = None,
         max_boxes: Optional[int] = None,
         workers: Optional[int] = None,
+        task_grain: Optional[int] = None,
         margin: Optional[float] = None,
         cell_size: Optional[float] = None,
         grid_cells: Optional[Sequence[int]] = None,

@@ -217,7 +217,8 @@ def test_the_limit_of_boxes():
 @pytest.mark.parametrize("options", [
     dict(dims=4), dict(dims=2**32 + 3), dict(dims=-1), dict(grid=9), dict(strategy=4), dict(simd=4),
     dict(filters=2),
-    dict(workers=0), dict(workers=65), dict(margin=-2), dict(margin=float("nan")), dict(cell_size=-1),
+    dict(workers=0), dict(workers=65), dict(task_grain=2**32), dict(margin=-2), dict(margin=float("nan")),
+    dict(cell_size=-1),
     dict(grid=multisap.Grid.FIXED, grid_cells=(0, 1, 1)), dict(grid_cells=(1, 1, 1, 1)),
     dict(grid=multisap.Grid.FIXED, grid_cells=(2**32 + 1, 1, 1), grid_max=(1, 1, 1)),
     dict(grid=multisap.Grid.FIXED, grid_cells=(2, 1, 1)),
@@ -340,7 +341,7 @@ def test_a_job_system_in_python(rng):
         run(task)
 
     lo = rng.random((500, 3)).astype(np.float32) * 9
-    with multisap.World(workers=4, enqueue=enqueue, finish=finish) as world:
+    with multisap.World(workers=4, task_grain=64, enqueue=enqueue, finish=finish) as world:
         ids = world.add(lo, lo + 1)
         created = world.commit().created
         assert np.array_equal(created, brute_force.by_id(ids, brute_force.pairs(lo, lo + 1)))
