@@ -84,6 +84,7 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
         memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
     }
     set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
+    memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
     return 1;
 }
 
