@@ -248,7 +248,7 @@ static void measure_moves(void)
         for (size_t k = 0; k < sizeof shares / sizeof *shares; k++, n++) {
             double boxes = shares[k] * sizes[i];
             double moved =
-                jump_ms(sizes[i], shares[k], boxes > 2048 ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE) / boxes;
+                jump_ms(sizes[i], shares[k], boxes > 512 ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE) / boxes;
             printf("%22.0f %% of them %.0f ns: COST_OF_A_MOVE %.1f\n", 100 * shares[k], 1e6 * moved,
                    moved / pruned);
             sum += log(moved / pruned);
