@@ -87,8 +87,12 @@ coverage: ## lines and branches of src/ that the tests reach, of which none may 
 	@rm -f $(BUILD)/coverage/src/*.gcda $(BUILD)/coverage-portable/src/*.gcda
 	$(call cover,coverage,,test-unit)
 	$(call cover,coverage,,run-limited test-differential test-corpus)
-	$(call cover,coverage-portable,-U__SSE2__,test-differential test-corpus)
+	$(call cover,coverage-portable,-U__SSE2__,run-portable test-differential test-corpus)
 	@tests/trust/coverage.sh $(BUILD)/coverage $(BUILD)/coverage-portable
+
+# What reaches those portable halves that take a lack of memory, or boxes far away.
+run-portable: $(patsubst %,$(BUILD)/tests/unit/test_%,far_boxes memory)
+	$(run_each)
 
 # Test-trust with a smaller pair explosion, in which each box is compared with each.
 run-limited: $(call programs,$(TRUST))
@@ -140,4 +144,4 @@ trust: ## all of these, and a summary
 	echo "failed:$${failed:- none}"; [ -z "$$failed" ]
 
 .PHONY: ubsan msan tsan valgrind analyse coverage abi abi-baseline cross trust test-trust test-abi \
-    $(MACHINES:%=cross-%) run-quick run-threaded run-limited run-abi run-abi-baseline
+    $(MACHINES:%=cross-%) run-quick run-threaded run-portable run-limited run-abi run-abi-baseline

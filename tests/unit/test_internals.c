@@ -109,6 +109,8 @@ static size_t entry_of_first(const msap_world *w)
 BREAK(array_too_small, SET(PAIRS.room, 1))
 BREAK(more_created_than_active, SET(PAIRS.created, PAIRS.active + 1))
 BREAK(table_too_small, SET(PAIRS.room_next, 0))
+BREAK(table_of_no_homes, SET(PAIRS.homes, 0))
+BREAK(chain_without_end, SET(PAIRS.next[0], 0))
 BREAK(entry_leads_nowhere, SET(PAIRS.first[entry_of_first(w)], (uint32_t)PAIRS.active))
 BREAK(entry_missing, SET(PAIRS.first[entry_of_first(w)], NONE))
 BREAK(pair_not_in_order, SET(PAIRS.at[0].a, PAIRS.at[0].b))
@@ -219,6 +221,8 @@ static const struct {
     {SINGLE_SAP, array_too_small, "the pair array is overfull"},
     {SINGLE_SAP, more_created_than_active, "the pair array is overfull"},
     {SINGLE_SAP, table_too_small, "the pair table is overfull"},
+    {SINGLE_SAP, table_of_no_homes, "the pair table is overfull"},
+    {SINGLE_SAP, chain_without_end, "the pair table has another number of entries than there are pairs"},
     {SINGLE_SAP, entry_leads_nowhere, "an entry of the pair table leads nowhere"},
     {SINGLE_SAP, entry_missing, "the pair table has another number of entries than there are pairs"},
     {SINGLE_SAP, pair_not_in_order, "a pair is not in order"},
@@ -486,9 +490,25 @@ START_TEST(any_allocation_of_a_phase_may_fail)
 }
 END_TEST
 
+/* In a row, an entry has two bits besides its slot. */
+START_TEST(slots_with_too_many_bits_do_not_go_into_rows)
+{
+    msap_config config = config_of(3, DEFAULT);
+    struct box_table boxes = {0};
+    struct job job = {0};
+    msap_world *world;
+    ok(msap_create(&config, &world));
+    boxes.used = ((size_t)1 << 30) + 1;
+    job.boxes = &boxes;
+    ck_assert_int_eq(msap_grid_jump(&world->grid, &job), UNSUITED);
+    ok(msap_destroy(world));
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("internals");
+    tcase_add_test(tests, slots_with_too_many_bits_do_not_go_into_rows);
     tcase_add_loop_test(tests, what_is_broken_is_named, 0, COUNT(breaks));
     tcase_add_loop_test(tests, sizes_that_overflow, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, no_slot_is_left, DEFAULT, SINGLE_SAP + 1);
