@@ -84,7 +84,7 @@ void msap_axis_sort(struct axis *x, size_t stored, uint64_t *scratch)
 
 /* The first broken invariant of axis k over boxes that are stored, or NULL. The
  * array holds the bounds that its boxes had when they were last brought up to date:
- * `before` or, if a commit has failed since, something later. */
+ * those of now if they have not changed since. */
 const char *msap_axis_broken(const struct axis *x, size_t stored, const struct box_table *boxes, uint32_t k)
 {
     if (x->room_key == 0) return stored ? "an axis has no array" : NULL;
@@ -96,8 +96,8 @@ const char *msap_axis_broken(const struct axis *x, size_t stored, const struct b
         if (box >= boxes->used || !(boxes->at[box].flags & BOX_STORED)) return "an end point has no box";
         if (x->rank[key_end(key)] != i) return "a rank does not lead to its end point";
         const struct box *b = &boxes->at[box];
-        int32_t value = key & KEY_MAX_BIT ? b->before.max[k] : b->before.min[k];
-        if ((b->flags & BOX_WAS) && !(b->flags & BOX_CHANGED) && key != key_make(value, key_end(key) & 1, box))
+        int32_t value = key & KEY_MAX_BIT ? b->now.max[k] : b->now.min[k];
+        if ((b->flags & BOX_WAS) && !box_is_changed(boxes, box) && key != key_make(value, key_end(key) & 1, box))
             return "an end point is not its box's bound";
     }
     return NULL;

@@ -127,17 +127,30 @@ static inline void store_lanes(int32_t out[3], lanes values)
     out[2] = _mm_cvtsi128_si32(_mm_unpackhi_epi32(values, values));
 }
 
-/* Encodes bounds. Returns 1 if they are legal: since a NaN is above +inf or below
+/* Stores encoded bounds. Returns 1 if they are legal: since a NaN is above +inf or below
  * -inf, none stands between -inf <= min <= max <= +inf. */
-static inline int encode(lanes min, lanes max, struct bounds *out)
+static inline int put_encoded(lanes min, lanes max, struct bounds *out)
 {
-    min = encode_lanes(min);
-    max = encode_lanes(max);
     store_lanes(out->min, min);
     store_lanes(out->max, max);
     lanes nan = _mm_or_si128(_mm_cmpgt_epi32(_mm_set1_epi32(ORDERED_MINUS_INF), min),
                              _mm_cmpgt_epi32(max, _mm_set1_epi32(ORDERED_INF)));
     return !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(nan, _mm_cmpgt_epi32(min, max)))) & 7);
+}
+
+static inline int encode(lanes min, lanes max, struct bounds *out)
+{
+    return put_encoded(encode_lanes(min), encode_lanes(max), out);
+}
+
+/* The same; *is_within becomes whether the bounds are within `outer`. */
+static inline int encode_within(lanes min, lanes max, const struct bounds *outer, struct bounds *out,
+                                int *is_within)
+{
+    min = encode_lanes(min);
+    max = encode_lanes(max);
+    *is_within = none_above(load_bounds(outer->min), min, max, load_bounds(outer->max));
+    return put_encoded(min, max, out);
 }
 
 #else
@@ -184,6 +197,14 @@ static inline int encode(lanes min, lanes max, struct bounds *out)
         out->max[k] = ordered_from_float_bits(max.at[k]);
         legal &= (ORDERED_MINUS_INF <= out->min[k]) & (out->min[k] <= out->max[k]) & (out->max[k] <= ORDERED_INF);
     }
+    return legal;
+}
+
+static inline int encode_within(lanes min, lanes max, const struct bounds *outer, struct bounds *out,
+                                int *is_within)
+{
+    int legal = encode(min, max, out);
+    *is_within = contains(outer, out);
     return legal;
 }
 

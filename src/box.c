@@ -6,7 +6,7 @@
  * A slot is given out by box_add, emptied by box_remove and returned to the queue
  * of free slots once the commit that reports the removal has run, so that a slot
  * means one box to a commit. Every function but boxes_reserve works without
- * allocating: there is room on the changed list for every slot. */
+ * allocating: there is room on its lists for every slot. */
 #include "internal.h"
 
 static void set_next(struct box *b, uint32_t slot) { b->now.min[0] = (int32_t)slot; }
@@ -38,20 +38,24 @@ void msap_boxes_init(struct box_table *t)
     struct box_table empty = {0};
     empty.removed.head = empty.removed.tail = NONE;
     empty.free = empty.removed;
-    empty.first_generation = 1;
+    empty.first_generation = empty.epoch = 1;
     *t = empty;
 }
 
 void msap_boxes_free(struct box_table *t, struct memory *m)
 {
     msap_memory_free(m, t->at, t->room, sizeof *t->at);
+    msap_memory_free(m, t->past, t->room_past, sizeof *t->past);
     msap_memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
+    msap_memory_free(m, t->left, t->room_left, sizeof *t->left);
 }
 
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
 {
     return msap_memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
-           msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed);
+           msap_memory_reserve(m, &t->past, &t->room_past, slots, t->used, sizeof *t->past) &&
+           msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed) &&
+           msap_memory_reserve(m, &t->left, &t->room_left, slots, t->n_left, sizeof *t->left);
 }
 
 static int is_free(const struct box *b) { return b->flags == 0 && b->generation != 0; }
@@ -77,7 +81,9 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 {
     forget_slots(t);
     msap_memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
+    msap_memory_shrink(m, &t->past, &t->room_past, t->used, sizeof *t->past);
     msap_memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
+    msap_memory_shrink(m, &t->left, &t->room_left, t->used, sizeof *t->left);
 }
 
 /* How many slots the table needs to take k more boxes. */
@@ -95,25 +101,30 @@ static uint32_t take_slot(struct box_table *t)
     return (uint32_t)t->used++;
 }
 
-/* The table has room. The slot comes to the end of the changed list. */
+/* The table has room. The slot comes to the ends of both lists. */
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
     uint32_t slot = take_slot(t);
     struct box *b = &t->at[slot];
-    b->now = b->before = *bounds;
+    b->now = *bounds;
+    box_forget_place(b);
+    b->changed_in = 0;
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
-    b->user_data = user_data;
+    t->past[slot].user_data = user_data;
     t->live++;
     box_mark_changed(t, slot);
+    box_mark_left(t, slot);
 }
 
-/* Takes back the additions since the table had so many slots used and so many boxes
- * changed: the last ones come off its end, the others go to the head of the free queue. */
-void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed)
+/* Takes back the additions since the table had so many slots used and so many boxes on its
+ * lists: the last ones come off its end, the others go to the head of the free queue. */
+void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, size_t n_left)
 {
+    t->n_left = n_left;
     while (t->n_changed > n_changed) {
         uint32_t slot = t->changed[--t->n_changed];
         t->at[slot].flags = 0;
+        t->at[slot].changed_in = 0;
         t->live--;
         if (slot >= used) t->used--;
         else queue_put_back(t, &t->free, slot);
@@ -125,19 +136,28 @@ void msap_box_remove(struct box_table *t, uint32_t slot)
     t->at[slot].flags = (t->at[slot].flags & ~(uint32_t)BOX_LIVE) | BOX_REMOVED;
     t->live--;
     box_mark_changed(t, slot);
+    box_mark_left(t, slot);
     queue_put(t, &t->removed, slot);
 }
 
-/* The commit succeeded: what is now was before, and nothing is changed. */
+/* After 2^32 commits no box may seem to have changed. */
+static void next_epoch(struct box_table *t)
+{
+    if (++t->epoch != 0) return;
+    for (size_t slot = 0; slot < t->used; slot++) t->at[slot].changed_in = 0;
+    t->epoch = 1;
+}
+
+/* The commit succeeded: nothing is changed, and what is now was before. */
 void msap_boxes_committed(struct box_table *t)
 {
-    for (size_t i = 0; i < t->n_changed; i++) {
-        struct box *b = &t->at[t->changed[i]];
-        b->before = b->now;
-        b->flags &= ~(uint32_t)(BOX_CHANGED | BOX_WAS);
+    for (size_t i = 0; i < t->n_left; i++) {
+        struct box *b = &t->at[t->left[i]];
+        b->flags &= ~(uint32_t)(BOX_LEFT | BOX_WAS);
         if (b->flags & BOX_LIVE) b->flags |= BOX_WAS;
     }
-    t->n_changed = 0;
+    t->n_changed = t->n_left = 0;
+    next_epoch(t);
 }
 
 /* Gives the removed slots back for use under their next generation. */

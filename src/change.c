@@ -52,12 +52,12 @@ static msap_status add_all(msap_world *w, size_t k, const msap_boxes *boxes, con
                            void *const *user_data)
 {
     struct box_table *t = &w->boxes;
-    size_t used = t->used, n_changed = t->n_changed;
+    size_t used = t->used, n_changed = t->n_changed, n_left = t->n_left;
     for (size_t i = 0; i < k; i++) {
         uint32_t bound = MSAP_NO_BOUND;
         msap_status status = add_one(w, boxes, i, flags ? flags[i] : 0, user_data ? user_data[i] : NULL, &bound);
         if (status == MSAP_OK) continue;
-        msap_boxes_undo_add(t, used, n_changed);
+        msap_boxes_undo_add(t, used, n_changed, n_left);
         return msap_world_fail(w, status, i, bound);
     }
     return MSAP_OK;
@@ -95,15 +95,17 @@ msap_status msap_add(msap_world *world, const float *min, const float *max, uint
 
 /* ----------------------------------------------------------------- updating */
 
-/* Puts the first n boxes of a batch back: those that it marked as changed, behind the
- * first `n_changed`, were as at the last commit. */
-static void undo_update(struct box_table *t, size_t n_changed)
+/* Puts the first n boxes of a batch back: those that it put on the lists, behind the first
+ * `n_changed` and `n_left`, were as at the last commit. */
+static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
 {
     while (t->n_changed > n_changed) {
-        struct box *b = &t->at[t->changed[--t->n_changed]];
-        b->now = b->before;
-        b->flags &= ~(uint32_t)BOX_CHANGED;
+        uint32_t slot = t->changed[--t->n_changed];
+        t->at[slot].now = t->past[slot].before;
+        t->at[slot].flags &= ~(uint32_t)BOX_LEFT;
+        t->at[slot].changed_in = 0;
     }
+    t->n_left = n_left;
 }
 
 /* Gives a box that was not changed yet the bounds of a row, or leaves it as it is. */
@@ -111,10 +113,16 @@ static msap_status update_one(struct box_table *t, uint32_t slot, const msap_box
                               uint32_t dims, uint32_t *bound)
 {
     struct box *b = &t->at[slot];
-    msap_status status = bounds_read(boxes, row, dims, &b->now, bound);
-    if (status == MSAP_OK) box_mark_changed(t, slot);
-    else b->now = b->before;
-    return status;
+    int is_within;
+    t->past[slot].before = b->now;
+    msap_status status = bounds_read_within(boxes, row, dims, &b->fat, &b->now, &is_within, bound);
+    if (status != MSAP_OK) {
+        b->now = t->past[slot].before;
+        return status;
+    }
+    box_list_changed(t, slot);
+    if (!is_within) box_mark_left(t, slot);
+    return MSAP_OK;
 }
 
 /* Updates the boxes of a batch that were not changed yet, and checks the others, of
@@ -124,20 +132,20 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
 {
     const msap_boxes from = *boxes;
     uint32_t dims = w->config.dims;
-    size_t n_changed = w->boxes.n_changed;
+    size_t n_changed = w->boxes.n_changed, n_left = w->boxes.n_left;
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
         const struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
         msap_status status = MSAP_ERROR_HANDLE;
-        if (b && !(b->flags & BOX_CHANGED)) {
+        if (b && !box_is_changed(&w->boxes, slot_of(handles[i]))) {
             status = update_one(&w->boxes, slot_of(handles[i]), &from, i, dims, &bound);
         } else if (b) {
             status = bounds_read(&from, i, dims, &bounds, &bound);
             ++*others;
         }
         if (status != MSAP_OK) {
-            undo_update(&w->boxes, n_changed);
+            undo_update(&w->boxes, n_changed, n_left);
             return msap_world_fail(w, status, i, bound);
         }
     }

@@ -44,7 +44,7 @@ static msap_status find_events(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
     struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, &w->crew, w->config.filters};
-    s->boxes = w->boxes.at;
+    s->boxes = &w->boxes;
     s->memory = &w->memory;
     s->has_repeats = !is_grid(&w->config);
     uint32_t strategy = update(w, &job);
@@ -118,7 +118,7 @@ static void call_back(msap_world *w, const msap_callbacks *callbacks)
 {
     const struct pair_table *t = &w->pairs;
     if (t->deleted + t->created == 0) return;
-    const struct box *box = w->boxes.at;
+    const struct past *box = w->boxes.past;
     const msap_pair *deleted = t->at + t->active;
     for (size_t i = 0; callbacks->on_delete && i < t->deleted; i++)
         callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b, box[slot_of(deleted[i].a)].user_data,

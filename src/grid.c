@@ -55,11 +55,12 @@ uint32_t msap_level_for(struct range base)
 
 /* -------------------------------------------------------------- life and end */
 
-/* The config lives as long as the grid. */
-void msap_grid_init(struct grid *g, const msap_config *config)
+/* The config and the boxes live as long as the grid. */
+void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes)
 {
     memset(g, 0, sizeof *g);
     g->config = config;
+    g->boxes = boxes;
     g->is_empty = 1;
     g->sweep = msap_sweep_for(config->simd);
     g->sweep_row = msap_sweep_row_for(config->simd);
@@ -73,11 +74,9 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
     size_t had = g->slots;
     if (slots <= had) return 1;
     if (slots > SIZE_MAX / 2 - 8) return 0;
-    if (!msap_memory_reserve(m, &g->place, &g->room_place, slots, had, sizeof *g->place) ||
-        !msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
+    if (!msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
         !msap_memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag))
         return 0;
-    for (size_t slot = had; slot < slots; slot++) g->place[slot].level = NO_LEVEL;
     memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
     memset(g->tag + had, 0, (slots - had) * sizeof *g->tag);
     g->slots = slots;
@@ -98,7 +97,7 @@ void msap_grid_empty_cells(struct grid *g, struct memory *m)
 void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
-    for (size_t slot = 0; slot < g->slots; slot++) g->place[slot].level = NO_LEVEL;
+    for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
     g->is_tracking = 0;
 }
 
@@ -113,7 +112,6 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_row_set_free(&g->row_set, m);
     g->rows.chosen_for = 0;
     g->slots = slots;
-    msap_memory_shrink(m, &g->place, &g->room_place, slots, sizeof *g->place);
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
     msap_memory_shrink(m, &g->tag, &g->room_tag, slots, sizeof *g->tag);
 }
@@ -121,7 +119,6 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
 void msap_grid_free(struct grid *g, struct memory *m)
 {
     msap_grid_trim(g, m, g->slots);
-    msap_memory_free(m, g->place, g->room_place, sizeof *g->place);
     msap_memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
     msap_memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
     memset(g, 0, sizeof *g);
@@ -129,11 +126,11 @@ void msap_grid_free(struct grid *g, struct memory *m)
 
 /* -------------------------------------------------- entering, kept and left */
 
-/* Puts a box, whose place has its fat bounds, layout and level, into its cells: base, as
+/* Puts a box that has its fat bounds, layout and level into its cells: base, as
  * msap_range_of gives them. Returns 0 without memory. */
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
-    struct place *p = &g->place[slot];
+    struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
     struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;)
@@ -146,7 +143,7 @@ int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static
 /* Takes a box out of its cells. */
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
-    struct place *p = &g->place[slot];
+    struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
     struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
     for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
@@ -162,7 +159,7 @@ static int same_range(const struct range *a, const struct range *b) { return mem
  * left, and those of the current layout entered. Returns 0 without memory. */
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from)
 {
-    struct place *p = &g->place[slot];
+    struct box *p = &g->boxes->at[slot];
     struct range to = range_of(&g->layout[g->current], &p->fat);
     if (p->layout == g->current && same_range(&from, &to)) {
         const struct layout *l = &g->layout[p->layout];
@@ -182,7 +179,7 @@ int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_stati
 static void query_cells(const struct grid *g, struct worker *w, struct cell_walk walk, uint32_t self,
                         int is_static)
 {
-    const struct bounds *fat = &g->place[self].fat;
+    const struct bounds *fat = &g->boxes->at[self].fat;
     for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
         if (c->n == 0) continue;
         msap_worker_put_found(w, self, g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found));
@@ -198,7 +195,7 @@ void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int 
     for (int i = 0; i < 2; i++) {
         const struct layout *l = &g->layout[i];
         if (l->boxes == 0) continue;
-        struct range base = range_of(l, &g->place[self].fat);
+        struct range base = range_of(l, &g->boxes->at[self].fat);
         for (uint32_t level = first; level < last; level++)
             if (l->level[level].boxes > 0)
                 query_cells(g, w, cell_walk(&l->level[level], range_on(l, base, level)), self, is_static);

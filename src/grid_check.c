@@ -29,7 +29,7 @@ void msap_grid_count(const struct grid *g, msap_world_stats *stats)
 
 static uint64_t cells_of(const struct grid *g, uint32_t slot)
 {
-    const struct place *p = &g->place[slot];
+    const struct box *p = &g->boxes->at[slot];
     const struct layout *l = &g->layout[p->layout];
     struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, range_of(l, &p->fat), p->level));
     uint64_t n = 0;
@@ -37,29 +37,27 @@ static uint64_t cells_of(const struct grid *g, uint32_t slot)
     return n;
 }
 
-static const char *row_broken(const struct grid *g, const struct box_table *boxes, const struct cell *c,
-                              uint32_t row)
+static const char *row_broken(const struct box_table *boxes, const struct cell *c, uint32_t row)
 {
     struct bounds b;
     uint32_t slot = msap_cell_row(c, row, &b);
-    if (slot >= boxes->used || g->place[slot].level == NO_LEVEL)
+    if (slot >= boxes->used || boxes->at[slot].level == NO_LEVEL)
         return "a cell names a box that is not in the grid";
-    if (memcmp(&b, &g->place[slot].fat, sizeof b) != 0) return "a cell has other bounds than the box's fat ones";
+    if (memcmp(&b, &boxes->at[slot].fat, sizeof b) != 0) return "a cell has other bounds than the box's fat ones";
     if ((row < c->n_moving) == ((boxes->at[slot].flags & BOX_STATIC) != 0))
         return "a cell mixes static and moving";
     return NULL;
 }
 
 /* Adds the boxes of all cells of a layout to *rows. */
-static const char *layout_broken(const struct grid *g, const struct layout *l, const struct box_table *boxes,
-                                 uint64_t *rows)
+static const char *layout_broken(const struct layout *l, const struct box_table *boxes, uint64_t *rows)
 {
     for (size_t i = 0; i < l->n_cells; i++) {
         const struct cell *c = &l->cell[i];
         if (c->n > c->room || c->n_moving > c->n) return "a cell is overfull";
         *rows += c->n;
         for (uint32_t row = 0; row < c->n; row++) {
-            const char *broken = row_broken(g, boxes, c, row);
+            const char *broken = row_broken(boxes, c, row);
             if (broken) return broken;
         }
     }
@@ -71,11 +69,11 @@ static const char *cells_broken(const struct grid *g, const struct box_table *bo
 {
     uint64_t rows = 0, expected = 0, in_grid = 0;
     for (int i = 0; i < 2; i++) {
-        const char *broken = layout_broken(g, &g->layout[i], boxes, &rows);
+        const char *broken = layout_broken(&g->layout[i], boxes, &rows);
         if (broken) return broken;
     }
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
-        if (g->place[slot].level == NO_LEVEL) continue;
+        if (boxes->at[slot].level == NO_LEVEL) continue;
         expected += cells_of(g, slot);
         in_grid++;
     }
@@ -93,14 +91,14 @@ static uint64_t mark_of(uint32_t low, uint32_t high)
     return x ^ x >> 29;
 }
 
-static const char *entry_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint32_t entry)
+static const char *entry_broken(const struct box_table *boxes, uint32_t slot, uint32_t entry)
 {
     uint32_t other = near_slot(entry);
     if (other >= boxes->used) return "a neighbour list names no slot";
     const struct box *p = &boxes->at[slot], *q = &boxes->at[other];
     if (p->flags & q->flags & BOX_STATIC) return "two static boxes are neighbours";
-    if (!overlap(&g->place[slot].fat, &g->place[other].fat)) return "the fat bounds of neighbours do not overlap";
-    if (((entry & NEAR_PAIR) != 0) != (other > slot && were_pair(p, q)))
+    if (!overlap(&boxes->at[slot].fat, &boxes->at[other].fat)) return "the fat bounds of neighbours do not overlap";
+    if (((entry & NEAR_PAIR) != 0) != (other > slot && were_pair(boxes, slot, other)))
         return "a neighbour list is wrong about a pair";
     return NULL;
 }
@@ -112,7 +110,7 @@ static const char *list_broken(const struct grid *g, const struct box_table *box
     if (l->n > near_room(l) || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
     for (uint32_t i = 0; i < l->n; i++) {
         uint32_t other = near_slot(l->at[i]);
-        const char *broken = entry_broken(g, boxes, slot, l->at[i]);
+        const char *broken = entry_broken(boxes, slot, l->at[i]);
         if (broken) return broken;
         if ((other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
         *marks += i < l->n_above ? mark_of(slot, other) : 0 - mark_of(other, slot);
@@ -142,9 +140,9 @@ const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes
 {
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         const struct box *b = &boxes->at[slot];
-        int is_in = g->place[slot].level != NO_LEVEL;
+        int is_in = boxes->at[slot].level != NO_LEVEL;
         if (is_in != ((b->flags & BOX_WAS) != 0)) return "the grid holds other boxes than the last commit";
-        if (is_in && !contains(&g->place[slot].fat, &b->before)) return "a box is outside its fat bounds";
+        if (is_in && !contains(&b->fat, box_before(boxes, slot))) return "a box is outside its fat bounds";
     }
     const char *broken = cells_broken(g, boxes);
     return broken ? broken : lists_broken(g, boxes, pairs);

@@ -100,8 +100,24 @@ struct bounds msap_bounds_widened(const struct bounds *b, float margin);
 msap_boxes msap_boxes_of_one(const float *min, const float *max);
 msap_status msap_boxes_check(const msap_boxes *boxes, size_t k);
 
-/* Reads row `row` of an array of boxes; of bounds that are not legal, *bound becomes
- * the one at fault. */
+/* Reads row `row` of an array of boxes; *is_within becomes whether they are within `outer`.
+ * Of bounds that are not legal, *bound becomes the one at fault. */
+static inline msap_status bounds_read_within(const msap_boxes *boxes, size_t row, uint32_t dims,
+                                             const struct bounds *outer, struct bounds *out, int *is_within,
+                                             uint32_t *bound)
+{
+    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
+    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
+    if (boxes->scalar == MSAP_FLOAT &&
+        encode_within(load_floats(min, boxes->min_component, dims), load_floats(max, boxes->max_component, dims),
+                      outer, out, is_within))
+        return MSAP_OK;
+    msap_status status = msap_bounds_read_with_care(boxes, min, max, dims, out, bound);
+    *is_within = contains(outer, out);
+    return status;
+}
+
+/* The same without an outer box. */
 static inline msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
                                       uint32_t *bound)
 {
@@ -119,20 +135,33 @@ enum {
     BOX_LIVE = 1,     /* its handle is valid: added and not removed */
     BOX_WAS = 2,      /* it took part in the last successful commit */
     BOX_STATIC = 4,   /* added with MSAP_STATIC */
-    BOX_CHANGED = 8,  /* it is on the changed list */
     BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
-    BOX_NEW = 64      /* within a commit: its end points were just put in, its pairs are to be found */
+    BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
+    BOX_LEFT = 8      /* it is on the list of those that left */
 };
 
-/* A slot of the box table: one cache line, where pointers have 64 bits. `now` equals
- * `before` unless the box is on the changed list; a slot without BOX_LIVE, BOX_WAS and
- * BOX_CHANGED is free or retired. */
+enum { NO_LEVEL = 255 };
+
+/* A slot of the box table, and where the box is in the grid: one cache line. A box that
+ * is not on the list of those that left lies within its fat bounds; an unchanged slot
+ * without BOX_LIVE and BOX_WAS is free or retired. */
 struct box {
-    struct bounds now;    /* as last given; of one that is not BOX_LIVE, box_next */
-    struct bounds before; /* at the last successful commit; means something with BOX_WAS */
-    uint32_t flags;
+    struct bounds now; /* as last given; of one that is not BOX_LIVE, box_next */
+    struct bounds fat; /* with its skin: what its cells know of it; all space where it is in none */
     uint32_t generation; /* low half of the handle; 0: retired */
+    uint32_t changed_in; /* the table's epoch exactly if it is on the changed list */
+    uint16_t flags;
+    uint16_t since;      /* the commit in which it got its fat bounds, its lower half */
+    uint8_t level;       /* of the grid; or NO_LEVEL: not in it */
+    uint8_t horizon;     /* for how many commits its skin was made */
+    uint8_t wobble;      /* how much of its reach the skin has on all sides, in eighths */
+    uint8_t layout;      /* of which its level is */
+};
+
+/* What of a slot is seldom read. */
+struct past {
+    struct bounds before; /* of a box on the changed list: at the last successful commit */
     void *user_data;
 };
 
@@ -146,14 +175,18 @@ struct slot_queue {
 
 struct box_table {
     struct box *at;
+    struct past *past;
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
+    uint32_t *left;    /* those of them that came, went or were outside their fat bounds, each once, in
+                          any order */
+    uint32_t epoch;    /* counts successful commits from 1; never 0 */
     size_t used;       /* slots given out so far, but for those forgotten since */
     uint32_t
         first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
-    size_t room, room_changed;
+    size_t room, room_past, room_changed, room_left;
     size_t live;
-    size_t n_changed;
+    size_t n_changed, n_left;
     struct slot_queue removed; /* since the last commit, in the order of removal */
     struct slot_queue free;    /* to be given out again, in this order */
 };
@@ -173,17 +206,54 @@ static inline struct box *box_find(const struct box_table *t, msap_handle handle
     return b->generation == generation && (b->flags & flags) ? b : NULL;
 }
 
+static inline int box_is_changed(const struct box_table *t, uint32_t slot)
+{
+    return t->at[slot].changed_in == t->epoch;
+}
+
+/* The bounds of a box at the last successful commit; they mean something with BOX_WAS. */
+static inline const struct bounds *box_before(const struct box_table *t, uint32_t slot)
+{
+    return box_is_changed(t, slot) ? &t->past[slot].before : &t->at[slot].now;
+}
+
+/* Puts a box, whose bounds before are kept, on the changed list. */
+static inline void box_list_changed(struct box_table *t, uint32_t slot)
+{
+    t->at[slot].changed_in = t->epoch;
+    t->changed[t->n_changed++] = slot;
+}
+
+/* Called before the bounds change. */
 static inline void box_mark_changed(struct box_table *t, uint32_t slot)
 {
-    if (t->at[slot].flags & BOX_CHANGED) return;
-    t->at[slot].flags |= BOX_CHANGED;
-    t->changed[t->n_changed++] = slot;
+    if (box_is_changed(t, slot)) return;
+    t->past[slot].before = t->at[slot].now;
+    box_list_changed(t, slot);
+}
+
+static inline void box_mark_left(struct box_table *t, uint32_t slot)
+{
+    if (t->at[slot].flags & BOX_LEFT) return;
+    t->at[slot].flags |= BOX_LEFT;
+    t->left[t->n_left++] = slot;
 }
 
 static inline void box_change(struct box_table *t, uint32_t slot, const struct bounds *bounds)
 {
-    t->at[slot].now = *bounds;
+    struct box *b = &t->at[slot];
     box_mark_changed(t, slot);
+    b->now = *bounds;
+    if (!contains(&b->fat, &b->now)) box_mark_left(t, slot);
+}
+
+/* The box is in no cell. */
+static inline void box_forget_place(struct box *b)
+{
+    static const struct bounds all = {{ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF},
+                                      {ORDERED_INF, ORDERED_INF, ORDERED_INF}};
+    b->fat = all;
+    b->level = NO_LEVEL;
 }
 
 void msap_boxes_init(struct box_table *t);
@@ -192,7 +262,7 @@ int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
 void msap_boxes_trim(struct box_table *t, struct memory *m);
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k);
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
-void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed);
+void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, size_t n_left);
 void msap_box_remove(struct box_table *t, uint32_t slot);
 void msap_boxes_committed(struct box_table *t);
 void msap_boxes_free_removed(struct box_table *t);
@@ -204,7 +274,7 @@ struct job;
 /* Takes touched pairs and keeps those whose overlap changed: the one place where a
  * pair is decided. Reads the box table only. */
 struct settler {
-    const struct box *boxes;
+    const struct box_table *boxes;
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
@@ -222,19 +292,19 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
 void msap_settle_change(struct settler *s, uint64_t key, int is);
 
 /* Whether two boxes that are not both static overlapped at the last commit. */
-static inline int were_pair(const struct box *p, const struct box *q)
+static inline int were_pair(const struct box_table *t, uint32_t a, uint32_t b)
 {
-    return ((p->flags & q->flags & BOX_WAS) != 0) & overlap(&p->before, &q->before);
+    return ((t->at[a].flags & t->at[b].flags & BOX_WAS) != 0) & overlap(box_before(t, a), box_before(t, b));
 }
 
 /* Takes a touched pair of boxes, a != b, in any order and as often as it comes. */
 static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 {
-    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    const struct box *p = &s->boxes->at[a], *q = &s->boxes->at[b];
     uint32_t both = p->flags & q->flags;
     int is = ((both & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
     s->touched++;
-    if (were_pair(p, q) != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
+    if (were_pair(s->boxes, a, b) != is && !(both & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), is);
 }
 
 void msap_touch_known_pairs(struct job *job);
@@ -242,15 +312,15 @@ void msap_touch_known_pairs(struct job *job);
 /* A pair that is known to overlap now, found once. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
-    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    const struct box *p = &s->boxes->at[a], *q = &s->boxes->at[b];
     s->touched++;
-    if (!were_pair(p, q) && !(p->flags & q->flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
+    if (!were_pair(s->boxes, a, b) && !(p->flags & q->flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 /* A pair that is known to have overlapped before. */
 static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
 {
-    const struct box *p = &s->boxes[a], *q = &s->boxes[b];
+    const struct box *p = &s->boxes->at[a], *q = &s->boxes->at[b];
     int is = ((p->flags & q->flags & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
     s->touched++;
     if (!is) msap_settle_change(s, pair_key(a, b), 0);
@@ -518,7 +588,7 @@ sweep_fn msap_sweep_for(uint32_t simd);
 
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
-enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, NO_LEVEL = 255, MOST_CELLS = 8 };
+enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, MOST_CELLS = 8 };
 enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
 /* Cells of an axis-aligned block of the grid, low and high included. */
@@ -546,16 +616,6 @@ struct layout {
     size_t boxes;       /* in all levels */
     size_t chosen_for;  /* boxes in the world when it was chosen, and one; 0: there is no layout */
     uint32_t chosen_at; /* the commit in which it was */
-};
-
-/* Where a box is in the grid. */
-struct place {
-    struct bounds fat; /* its bounds with its skin: what its cells know of it */
-    uint32_t since;    /* the commit in which it got them */
-    uint8_t level;     /* or NO_LEVEL: not in the grid */
-    uint8_t horizon;   /* for how many commits its skin was made */
-    uint8_t wobble;    /* how much of its reach the skin has on all sides, in eighths */
-    uint8_t layout;    /* of which its level is */
 };
 
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
@@ -607,17 +667,17 @@ static inline void row_set_put(struct row_set *set, uint32_t at, const struct bo
  * other one still holds boxes, they are moved over, some in each commit. */
 struct grid {
     const msap_config *config;
+    struct box_table *boxes; /* the world's */
     sweep_fn sweep;
     sweep_row_fn sweep_row;
     struct layout layout[2];
     uint32_t current;
     uint32_t next_to_move; /* slot */
     struct pool pool;      /* of the cells */
-    struct place *place;   /* [slots] */
     struct near_lists near;
     uint32_t *tag; /* [slots] within a commit: `token` marks what was found for a box */
     size_t slots;  /* of the box table that the arrays above are ready for */
-    size_t room_place, room_tag;
+    size_t room_tag;
     uint32_t token;
     uint32_t commit; /* counts commits, for the age of skins */
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
@@ -627,7 +687,7 @@ struct grid {
     struct row_set row_set;
 };
 
-void msap_grid_init(struct grid *g, const msap_config *config);
+void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
 void msap_grid_empty_cells(struct grid *g, struct memory *m);
 void msap_grid_empty(struct grid *g, struct memory *m);
 void msap_grid_free(struct grid *g, struct memory *m);
@@ -663,21 +723,27 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 enum { HORIZON_MOST = 64 }; /* commits that a skin is made for */
 
-void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain);
-void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot);
-int msap_skin_is_far_wider(const struct place *p, const struct box *b, const struct grid *g);
-float msap_skin_lifetime(const struct box *b);
+void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
+void msap_skin_first(const struct grid *g, uint32_t slot);
+int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
+float msap_skin_lifetime(const struct box_table *t, uint32_t slot);
+
+/* In commits; after very many it starts again. */
+static inline uint32_t skin_age(const struct box *b, const struct grid *g)
+{
+    return (uint16_t)(g->commit - b->since);
+}
 
 /* Whether a skin is older than any is made for, as first ones are from the start. */
-static inline int skin_is_old(const struct place *p, const struct grid *g)
+static inline int skin_is_old(const struct box *b, const struct grid *g)
 {
-    return g->commit - p->since > HORIZON_MOST;
+    return skin_age(b, g) > HORIZON_MOST;
 }
 
 /* Whether the box has shrunk so much in its skin that it needs a new one. */
-static inline int skin_is_baggy(const struct place *p, const struct box *b, const struct grid *g)
+static inline int skin_is_baggy(const struct box *b, const struct grid *g)
 {
-    return skin_is_old(p, g) && msap_skin_is_far_wider(p, b, g);
+    return skin_is_old(b, g) && msap_skin_is_far_wider(b, g);
 }
 
 /* -------------------------- rebuild.c, jump.c, track.c, touch.c, grid_check.c */

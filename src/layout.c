@@ -218,7 +218,7 @@ static int move_over(struct grid *g, struct memory *m, const struct box_table *b
     for (; n > 0 && other->boxes > 0; n--, g->next_to_move++) {
         if (g->next_to_move >= boxes->used) g->next_to_move = 0;
         uint32_t slot = g->next_to_move;
-        const struct place *p = &g->place[slot];
+        const struct box *p = &boxes->at[slot];
         if (p->level == NO_LEVEL || p->layout == g->current) continue;
         struct range from = range_of(other, &p->fat);
         if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from)) return 0;

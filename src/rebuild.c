@@ -59,10 +59,11 @@ static inline void find_span(const struct layout *l, const struct bounds *fat, s
 }
 
 /* Whether a box has left its skin or, since that costs little now, soon will. */
-static int needs_skin(const struct grid *g, const struct place *p, const struct box *b)
+static int needs_skin(const struct grid *g, uint32_t slot)
 {
-    if (!contains(&p->fat, &b->now) || skin_is_baggy(p, b, g)) return 1;
-    return skin_is_old(p, g) && (b->flags & BOX_CHANGED);
+    const struct box *b = &g->boxes->at[slot];
+    if (!contains(&b->fat, &b->now) || skin_is_baggy(b, g)) return 1;
+    return skin_is_old(b, g) && box_is_changed(g->boxes, slot);
 }
 
 /* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. Boxes that
@@ -73,18 +74,18 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
     struct grid *g = r->grid;
     (void)w;
     for (size_t slot = first; slot < last; slot++) {
-        struct place *p = &g->place[slot];
-        const struct box *b = &r->job->boxes->at[slot];
+        struct box *b = &g->boxes->at[slot];
         if (!(b->flags & BOX_LIVE)) {
-            p->level = r->span[slot].level = NO_LEVEL;
+            box_forget_place(b);
+            r->span[slot].level = NO_LEVEL;
             continue;
         }
-        if (p->level == NO_LEVEL) msap_skin_first(p, b, g, (uint32_t)slot);
-        else if (needs_skin(g, p, b)) msap_skin_renew(p, b, g, (uint32_t)slot, 0);
-        find_span(r->layout, &p->fat, &r->span[slot]);
+        if (b->level == NO_LEVEL) msap_skin_first(g, (uint32_t)slot);
+        else if (needs_skin(g, (uint32_t)slot)) msap_skin_renew(g, (uint32_t)slot, 0);
+        find_span(r->layout, &b->fat, &r->span[slot]);
         r->span[slot].is_static = (b->flags & BOX_STATIC) != 0;
-        p->layout = (uint8_t)g->current;
-        p->level = r->span[slot].level;
+        b->layout = (uint8_t)g->current;
+        b->level = r->span[slot].level;
     }
 }
 
@@ -162,7 +163,7 @@ static uint64_t settled(const struct rebuild *r, struct settler *settler, uint32
     const struct box *p = &r->job->boxes->at[a], *q = &r->job->boxes->at[b];
     int is = overlap(&p->now, &q->now);
     settler->touched++;
-    if (is && !were_pair(p, q)) msap_settle_change(settler, pair_key(a, b), 1);
+    if (is && !were_pair(r->job->boxes, a, b)) msap_settle_change(settler, pair_key(a, b), 1);
     return (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
 }
 
@@ -206,7 +207,7 @@ static void fill_cell(const struct rebuild *r, size_t i)
 {
     struct cell *c = &r->layout->cell[i];
     const uint32_t *slot = r->list + r->tally[i].still - c->n;
-    for (uint32_t row = 0; row < c->n; row++) cell_put_row(c, row, &r->grid->place[slot[row]].fat, slot[row]);
+    for (uint32_t row = 0; row < c->n; row++) cell_put_row(c, row, &r->grid->boxes->at[slot[row]].fat, slot[row]);
     for (uint32_t row = c->n; row % 8 != 0; row++) c->block[row / 8].id[row % 8] = NONE;
 }
 

@@ -24,16 +24,16 @@ enum { HORIZON_LEAST = 3, HORIZON_FIRST = 24, WOBBLE_MOST = 4, TESTS_OF_A_MOVE =
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
-static void learn(struct place *p, uint32_t age, uint32_t vain)
+static void learn(struct box *b, uint32_t age, uint32_t vain)
 {
-    uint32_t horizon = p->horizon;
+    uint32_t horizon = b->horizon;
     if (age * 3 < horizon) {
-        if (p->wobble < WOBBLE_MOST) p->wobble++;
+        if (b->wobble < WOBBLE_MOST) b->wobble++;
         else horizon -= horizon / 2;
     } else if ((uint64_t)vain * age > TESTS_OF_A_MOVE) {
         horizon -= horizon / 4;
     } else horizon += horizon / 4 + 1;
-    p->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
+    b->horizon = (uint8_t)(horizon < HORIZON_MOST ? horizon : HORIZON_MOST);
 }
 
 static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_ordered(ordered)); }
@@ -63,14 +63,15 @@ static inline float largest(__m128 v)
     return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
 }
 
-static struct motion motion_of(const struct box *b)
+static struct motion motion_of(const struct box_table *t, uint32_t slot)
 {
     struct motion m;
+    const struct bounds *now = &t->at[slot].now, *before = box_before(t, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
-    m.low = three_values(b->now.min);
-    m.high = three_values(b->now.max);
-    m.down = _mm_sub_ps(m.low, three_values(b->before.min));
-    m.up = _mm_sub_ps(m.high, three_values(b->before.max));
+    m.low = three_values(now->min);
+    m.high = three_values(now->max);
+    m.down = _mm_sub_ps(m.low, three_values(before->min));
+    m.up = _mm_sub_ps(m.high, three_values(before->max));
     m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
     m.step = largest(
         _mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
@@ -92,15 +93,15 @@ static inline __m128i three_ordered(__m128 values)
 }
 
 /* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct place *p, const struct motion *m, float horizon, float aside)
+static void reach_out(struct box *b, const struct motion *m, float horizon, float aside)
 {
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
     __m128i min = three_ordered(low), max = three_ordered(high);
-    __m128i old_min = load_bounds(p->fat.min), old_max = load_bounds(p->fat.max);
-    store_lanes(p->fat.min, choose(_mm_cmpgt_epi32(old_min, min), min, old_min));
-    store_lanes(p->fat.max, choose(_mm_cmpgt_epi32(max, old_max), max, old_max));
+    __m128i old_min = load_bounds(b->fat.min), old_max = load_bounds(b->fat.max);
+    store_lanes(b->fat.min, choose(_mm_cmpgt_epi32(old_min, min), min, old_min));
+    store_lanes(b->fat.max, choose(_mm_cmpgt_epi32(max, old_max), max, old_max));
 }
 
 #else
@@ -113,15 +114,16 @@ struct motion {
 static float larger(float a, float b) { return a > b ? a : b; }
 static float magnitude(float x) { return x < 0 ? -x : x; }
 
-static struct motion motion_of(const struct box *b)
+static struct motion motion_of(const struct box_table *t, uint32_t slot)
 {
     struct motion m;
+    const struct bounds *now = &t->at[slot].now, *before = box_before(t, slot);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
-        m.low[k] = value_of(b->now.min[k]);
-        m.high[k] = value_of(b->now.max[k]);
-        m.down[k] = m.low[k] - value_of(b->before.min[k]);
-        m.up[k] = m.high[k] - value_of(b->before.max[k]);
+        m.low[k] = value_of(now->min[k]);
+        m.high[k] = value_of(now->max[k]);
+        m.down[k] = m.low[k] - value_of(before->min[k]);
+        m.up[k] = m.high[k] - value_of(before->max[k]);
         m.size = larger(m.high[k] - m.low[k], m.size);
         m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }
@@ -140,13 +142,13 @@ static int32_t ordered_of(float value)
 }
 
 /* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct place *p, const struct motion *m, float horizon, float aside)
+static void reach_out(struct box *b, const struct motion *m, float horizon, float aside)
 {
     for (int k = 0; k < 3; k++) {
         int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
         int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
-        if (min < p->fat.min[k]) p->fat.min[k] = min;
-        if (max > p->fat.max[k]) p->fat.max[k] = max;
+        if (min < b->fat.min[k]) b->fat.min[k] = min;
+        if (max > b->fat.max[k]) b->fat.max[k] = max;
     }
 }
 
@@ -169,45 +171,46 @@ static float reach(const struct motion *m, float most)
 /* ------------------------------------------------------------------- skins */
 
 /* Makes the skin for a box's motion. */
-static void follow(struct place *p, const struct motion *m, float part)
+static void follow(struct box *b, const struct motion *m, float part)
 {
-    float horizon = reach(m, p->horizon);
+    float horizon = reach(m, b->horizon);
     if (!(horizon >= HORIZON_LEAST && m->size < FAR)) return;
-    p->horizon = (uint8_t)horizon;
+    b->horizon = (uint8_t)horizon;
     horizon *= part;
-    reach_out(p, m, horizon, m->step * horizon * (float)p->wobble / 8);
+    reach_out(b, m, horizon, m->step * horizon * (float)b->wobble / 8);
 }
 
 /* Gives a box that has left its skin in this commit a new one. */
-void msap_skin_renew(struct place *p, const struct box *b, const struct grid *g, uint32_t slot, uint32_t vain)
+void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain)
 {
+    struct box *b = &g->boxes->at[slot];
     if (g->config->margin >= 0) {
-        p->fat = msap_bounds_widened(&b->now, g->config->margin);
+        b->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
-    struct motion m = motion_of(b);
-    learn(p, g->commit - p->since, vain);
-    p->since = g->commit;
-    p->fat = b->now;
-    follow(p, &m, spread(slot, g->commit));
+    struct motion m = motion_of(g->boxes, slot);
+    learn(b, skin_age(b, g), vain);
+    b->since = (uint16_t)g->commit;
+    b->fat = b->now;
+    follow(b, &m, spread(slot, g->commit));
 }
 
 /* Whether the fat bounds are far wider on every axis than any skin is made. */
-int msap_skin_is_far_wider(const struct place *p, const struct box *b, const struct grid *g)
+int msap_skin_is_far_wider(const struct box *b, const struct grid *g)
 {
     enum { FAR_WIDER = 8 };
     if (g->config->margin >= 0) return 0;
     for (uint32_t k = 0; k < g->config->dims; k++)
-        if (!(value_of(p->fat.max[k]) - value_of(p->fat.min[k]) >
+        if (!(value_of(b->fat.max[k]) - value_of(b->fat.min[k]) >
               FAR_WIDER * (value_of(b->now.max[k]) - value_of(b->now.min[k]))))
             return 0;
     return 1;
 }
 
 /* For how many commits the skin would last that a box got for its motion in this one. */
-float msap_skin_lifetime(const struct box *b)
+float msap_skin_lifetime(const struct box_table *t, uint32_t slot)
 {
-    struct motion m = motion_of(b);
+    struct motion m = motion_of(t, slot);
     float horizon = reach(&m, HORIZON_MOST);
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
@@ -216,19 +219,20 @@ float msap_skin_lifetime(const struct box *b)
  * it is static, it gets a skin for its motion or, if it has none yet, up to a quarter of
  * its size on all sides: of all widths, so that boxes that are put in together and then
  * start to move do not all leave their first skins in one commit. */
-void msap_skin_first(struct place *p, const struct box *b, const struct grid *g, uint32_t slot)
+void msap_skin_first(const struct grid *g, uint32_t slot)
 {
-    p->horizon = HORIZON_FIRST;
-    p->wobble = 1;
-    p->since = g->commit - HORIZON_MOST; /* however soon it is left, it was good enough */
+    struct box *b = &g->boxes->at[slot];
+    b->horizon = HORIZON_FIRST;
+    b->wobble = 1;
+    b->since = (uint16_t)(g->commit - HORIZON_MOST); /* however soon it is left, it was good enough */
     if (g->config->margin >= 0) {
-        p->fat = msap_bounds_widened(&b->now, g->config->margin);
+        b->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
-    p->fat = b->now;
+    b->fat = b->now;
     if (b->flags & BOX_STATIC) return;
-    struct motion m = motion_of(b);
+    struct motion m = motion_of(g->boxes, slot);
     float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
-    if (m.step > 0) follow(p, &m, part);
-    else if (aside < FAR) reach_out(p, &m, 0, aside);
+    if (m.step > 0) follow(b, &m, part);
+    else if (aside < FAR) reach_out(b, &m, 0, aside);
 }

@@ -14,14 +14,14 @@
 /* A part of a commit over the lists, and over changed slots. */
 struct touching {
     const struct near_list *of;
-    const struct box *boxes;
+    const struct box_table *boxes;
     const uint32_t *slot;
 };
 
 /* The pairs of boxes with neighbours above, whose entries tell whether they were. */
 static void settle_above(struct settler *s, const struct pair_buffer *p, size_t n)
 {
-    const struct box *boxes = s->boxes;
+    const struct box *boxes = s->boxes->at;
     s->touched += n;
     for (size_t i = 0; i < n; i++) {
         uint32_t a = p->a[i], entry = p->b[i], b = near_slot(entry);
@@ -71,10 +71,11 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
     for (size_t c = first; c < last; c++) {
         uint32_t slot = t->slot[c];
         const struct near_list *l = &t->of[slot];
+        if (c + 2 * AHEAD < last) prefetch(&t->of[t->slot[c + 2 * AHEAD]]);
         if (c + AHEAD < last) prefetch(t->of[t->slot[c + AHEAD]].at);
         n = buffer_above(&w->settler, &above, n, slot, l);
         for (uint32_t i = l->n_above; i < l->n; i++)
-            if (!(t->boxes[l->at[i]].flags & BOX_CHANGED)) settle(&w->settler, slot, l->at[i]);
+            if (!box_is_changed(t->boxes, l->at[i])) settle(&w->settler, slot, l->at[i]);
     }
     settle_above(&w->settler, &above, n);
 }
@@ -83,7 +84,7 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
 int msap_grid_touch(const struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
-    struct touching all = {g->near.of, t->at, t->changed};
+    struct touching all = {g->near.of, t, t->changed};
     size_t weight = WEIGHT_TOUCH * (1 + pairs_of_a_box(job) / 2);
     if (t->n_changed * 4 >= t->live * 3)
         return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used, weight);

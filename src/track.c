@@ -31,56 +31,61 @@ static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0;
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
-static int is_misplaced(const struct grid *g, const struct box *b, uint32_t slot)
+/* Boxes that have shrunk in their skins are to get new ones too: some of those that
+ * changed are looked at in each commit, and others in the next. */
+static void mark_baggy(const struct grid *g, struct box_table *t)
 {
-    const struct place *p = &g->place[slot];
-    if (!(b->flags & BOX_LIVE)) return p->level != NO_LEVEL;
-    return p->level == NO_LEVEL || !contains(&p->fat, &b->now) || skin_is_baggy(p, b, g);
+    enum { ONE_IN = 16 };
+    for (size_t i = g->commit % ONE_IN; i < t->n_changed; i += ONE_IN) {
+        const struct box *b = &t->at[t->changed[i]];
+        if (b->flags & BOX_LIVE && b->level != NO_LEVEL && skin_is_baggy(b, g)) box_mark_left(t, t->changed[i]);
+    }
 }
 
-/* Puts the misplaced ones of the changed boxes first. Returns how many they are. */
-static size_t misplaced_first(const struct grid *g, const struct box_table *t)
+/* Whether a box that left is to be put elsewhere: not one that came and went between two
+ * commits. */
+static int is_misplaced(const struct box *b) { return b->flags & BOX_LIVE || b->level != NO_LEVEL; }
+
+/* Puts the misplaced ones of those that left first. Returns how many they are. */
+static size_t misplaced_first(const struct grid *g, struct box_table *t)
 {
-    enum { AHEAD = 8 };
-    const struct box *boxes = t->at;
-    uint32_t *changed = t->changed;
-    size_t n = 0, n_changed = t->n_changed;
-    for (size_t i = 0; i < n_changed; i++) {
-        uint32_t slot = changed[i];
+    size_t n = 0;
+    mark_baggy(g, t);
+    for (size_t i = 0; i < t->n_left; i++) {
+        uint32_t slot = t->left[i];
         prefetch(&g->near.of[slot]);
-        if (i + AHEAD < n_changed) prefetch(&g->place[changed[i + AHEAD]]);
-        if (!is_misplaced(g, &boxes[slot], slot)) continue;
-        changed[i] = changed[n];
-        changed[n++] = slot;
+        if (!is_misplaced(&t->at[slot])) continue;
+        t->left[i] = t->left[n];
+        t->left[n++] = slot;
     }
     return n;
 }
 
-/* Orders the first n changed boxes by the cell that they were in or, of those that come,
+/* Orders the first n boxes that left by the cell that they were in or, of those that come,
  * are in now, so that what is near in space is near in time. Without memory they stay as
  * they are. */
 static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
 {
-    uint32_t *changed = job->boxes->changed;
+    uint32_t *left = job->boxes->left;
     uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
     if (!key) return;
     for (size_t i = 0; i < n; i++) {
         const struct layout *l = &g->layout[g->current];
-        const struct place *p = &g->place[changed[i]];
-        struct range base = range_of(l, p->level == NO_LEVEL ? &job->boxes->at[changed[i]].now : &p->fat);
-        key[i] = (uint64_t)(cell_at(&l->level[0], base.low) - l->cell) << 32 | changed[i];
+        const struct box *b = &job->boxes->at[left[i]];
+        struct range base = range_of(l, b->level == NO_LEVEL ? &b->now : &b->fat);
+        key[i] = (uint64_t)(cell_at(&l->level[0], base.low) - l->cell) << 32 | left[i];
     }
     msap_sort_keys(key, n, key + n);
-    for (size_t i = 0; i < n; i++) changed[i] = (uint32_t)key[i];
+    for (size_t i = 0; i < n; i++) left[i] = (uint32_t)key[i];
 }
 
 /* A box leaves the grid. */
 static void leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
-    const struct place *p = &g->place[slot];
-    msap_grid_take(g, job->memory, slot, is_static(&job->boxes->at[slot]),
-                   range_of(&g->layout[p->layout], &p->fat));
+    struct box *b = &job->boxes->at[slot];
+    msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
+    box_forget_place(b);
     for (uint32_t i = 0; i < l->n; i++) {
         settle(job->settler, slot, near_slot(l->at[i]));
         msap_near_remove(&g->near, near_slot(l->at[i]), slot);
@@ -100,32 +105,31 @@ static uint32_t count_vain(const struct near_list *l, const struct box *boxes, u
 /* A box enters the grid, or gets a new skin and moves in it. Returns 0 without memory. */
 static int relocate(struct grid *g, const struct job *job, uint32_t slot)
 {
-    struct place *p = &g->place[slot];
-    const struct box *b = &job->boxes->at[slot];
-    if (p->level != NO_LEVEL) {
-        struct range from = range_of(&g->layout[p->layout], &p->fat);
-        msap_skin_renew(p, b, g, slot, count_vain(&g->near.of[slot], job->boxes->at, slot));
+    struct box *b = &job->boxes->at[slot];
+    if (b->level != NO_LEVEL) {
+        struct range from = range_of(&g->layout[b->layout], &b->fat);
+        msap_skin_renew(g, slot, count_vain(&g->near.of[slot], job->boxes->at, slot));
         return msap_grid_move(g, job->memory, slot, is_static(b), from);
     }
-    msap_skin_first(p, b, g, slot);
-    struct range base = range_of(&g->layout[g->current], &p->fat);
-    p->layout = (uint8_t)g->current;
-    p->level = (uint8_t)msap_level_for(base);
+    msap_skin_first(g, slot);
+    struct range base = range_of(&g->layout[g->current], &b->fat);
+    b->layout = (uint8_t)g->current;
+    b->level = (uint8_t)msap_level_for(base);
     return msap_grid_put(g, job->memory, slot, is_static(b), base);
 }
 
-/* Of the first n changed boxes, those that were removed leave, and are put first.
+/* Of the first n boxes that left, those that were removed leave, and are put first.
  * Returns how many they are. */
 static size_t leave_first(struct grid *g, const struct job *job, size_t n)
 {
     const struct box_table *t = job->boxes;
     size_t gone = 0;
     for (size_t i = 0; i < n; i++) {
-        uint32_t slot = t->changed[i];
+        uint32_t slot = t->left[i];
         if (t->at[slot].flags & BOX_LIVE) continue;
         leave(g, job, slot);
-        t->changed[i] = t->changed[gone];
-        t->changed[gone++] = slot;
+        t->left[i] = t->left[gone];
+        t->left[gone++] = slot;
     }
     return gone;
 }
@@ -165,8 +169,7 @@ static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
 
 static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
 {
-    const struct box *boxes = job->boxes->at;
-    return msap_near_join(&g->near, job->memory, a, b, were_pair(&boxes[a], &boxes[b]));
+    return msap_near_join(&g->near, job->memory, a, b, were_pair(job->boxes, a, b));
 }
 
 /* Makes the list of a box what was found for it: the keys from *at on that name it, which
@@ -192,7 +195,8 @@ static int renew_list(struct grid *g, const struct job *job, uint32_t slot, cons
 static int is_near(const void *context, uint32_t a, uint32_t b)
 {
     const struct grid *g = context;
-    return g->place[b].level != NO_LEVEL && overlap(&g->place[a].fat, &g->place[b].fat);
+    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
+    return q->level != NO_LEVEL && overlap(&p->fat, &q->fat);
 }
 
 /* Steps 2 to 4 for n slots. */
@@ -228,7 +232,7 @@ static double estimate_moves(const struct box_table *t)
     for (size_t i = 0; i < t->n_changed; i += step) {
         const struct box *b = &t->at[t->changed[i]];
         if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
-            moves += 1.0 / (double)msap_skin_lifetime(b);
+            moves += 1.0 / (double)msap_skin_lifetime(t, t->changed[i]);
     }
     return moves * (double)step; /* each stands for so many */
 }
@@ -241,7 +245,7 @@ static int is_jumpy(const struct box_table *t)
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     enum { FEW = 32 }; /* boxes whose cells are still in the cache when they are asked */
-    const uint32_t *changed = job->boxes->changed;
+    const uint32_t *left = job->boxes->left;
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     if (by_cell) order_by_cell(g, job, misplaced);
     g->moves = misplaced;
@@ -250,20 +254,20 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     msap_near_tidy(&g->near, is_near, g);
     for (size_t i = gone, n; i < misplaced; i += n) {
         n = misplaced - i < most ? misplaced - i : most;
-        if (!relocate_all(g, job, changed + i, n)) return 0;
+        if (!relocate_all(g, job, left + i, n)) return 0;
     }
     return msap_grid_touch(g, job);
 }
 
 /* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
- * or so many boxes must be put elsewhere that it is cheaper. The first `misplaced` of the
- * changed boxes must be. */
+ * or so many boxes must be put elsewhere that it is cheaper. The first `misplaced` of those
+ * that left must be. */
 static int is_upheaval(const struct grid *g, const struct box_table *t, size_t misplaced)
 {
     size_t cost = 0;
     if (!g->is_tracking || misplaced <= 64) return !g->is_tracking;
     for (size_t i = 0; i < misplaced; i++)
-        cost += t->at[t->changed[i]].flags & BOX_LIVE ? COST_OF_A_MOVE : COST_OF_LEAVING;
+        cost += t->at[t->left[i]].flags & BOX_LIVE ? COST_OF_A_MOVE : COST_OF_LEAVING;
     return cost > t->live * COST_OF_REBUILDING;
 }
 

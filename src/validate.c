@@ -4,15 +4,18 @@
  * SPDX-License-Identifier: MIT */
 #include "internal.h"
 
-static const char *box_broken(const struct box *b)
+static const char *box_broken(const struct box_table *t, uint32_t slot)
 {
-    const uint32_t lasting = BOX_LIVE | BOX_WAS | BOX_CHANGED;
+    const struct box *b = &t->at[slot];
+    const struct bounds *before = box_before(t, slot);
     for (int k = 0; k < 3 && b->flags & BOX_LIVE; k++)
-        if (b->now.min[k] > b->now.max[k] || b->before.min[k] > b->before.max[k]) return "a box is inverted";
+        if (b->now.min[k] > b->now.max[k] || before->min[k] > before->max[k]) return "a box is inverted";
+    if ((b->flags & (BOX_LIVE | BOX_LEFT)) == BOX_LIVE && !contains(&b->fat, &b->now))
+        return "a box is outside its fat bounds, but is not on the list of those that left";
     if (b->flags & BOX_NEW) return "a box is still marked as new";
-    if (b->flags & BOX_CHANGED) return NULL;
-    if (!(b->flags & lasting)) return b->flags & BOX_STORED ? "a free slot is stored" : NULL;
-    if (memcmp(&b->now, &b->before, sizeof b->now) != 0) return "now is not before, but the box is not changed";
+    if (box_is_changed(t, slot)) return NULL;
+    if (b->flags & BOX_LEFT) return "a box left, but is not changed";
+    if (!(b->flags & (BOX_LIVE | BOX_WAS))) return b->flags & BOX_STORED ? "a free slot is stored" : NULL;
     if ((b->flags & (BOX_LIVE | BOX_WAS)) != (BOX_LIVE | BOX_WAS))
         return "a box came, went or is not stored, but is not changed";
     return NULL;
@@ -30,18 +33,23 @@ static const char *queue_broken(const struct box_table *t, const struct slot_que
 
 static const char *boxes_broken(const struct box_table *t)
 {
-    size_t live = 0, changed = 0;
-    for (size_t slot = 0; slot < t->used; slot++) {
-        const char *broken = box_broken(&t->at[slot]);
+    size_t live = 0, changed = 0, left = 0;
+    for (uint32_t slot = 0; slot < t->used; slot++) {
+        const char *broken = box_broken(t, slot);
         if (broken) return broken;
         live += (t->at[slot].flags & BOX_LIVE) != 0;
-        changed += (t->at[slot].flags & BOX_CHANGED) != 0;
+        changed += (size_t)box_is_changed(t, slot);
+        left += (t->at[slot].flags & BOX_LEFT) != 0;
     }
     if (live != t->live) return "the number of live boxes is wrong";
     if (changed != t->n_changed) return "the changed list has another length than there are changed boxes";
+    if (left != t->n_left) return "the list of those that left has another length than there are such boxes";
     for (size_t i = 0; i < t->n_changed; i++)
-        if (t->changed[i] >= t->used || !(t->at[t->changed[i]].flags & BOX_CHANGED))
+        if (t->changed[i] >= t->used || !box_is_changed(t, t->changed[i]))
             return "the changed list names a box that is not changed";
+    for (size_t i = 0; i < t->n_left; i++)
+        if (t->left[i] >= t->used || !(t->at[t->left[i]].flags & BOX_LEFT))
+            return "the list of those that left names a box that did not";
     const char *broken = queue_broken(t, &t->removed, BOX_REMOVED);
     return broken ? broken : queue_broken(t, &t->free, 0);
 }
@@ -55,7 +63,7 @@ static const char *overlaps_broken(const struct pair_table *t, const struct box_
         const struct box *p = &boxes->at[a], *q = &boxes->at[b];
         if (p->generation != (uint32_t)t->at[i].a || q->generation != (uint32_t)t->at[i].b)
             return "a pair has a stale handle";
-        if (!(p->flags & q->flags & BOX_WAS) || !overlap(&p->before, &q->before)) return "a pair does not overlap";
+        if (!were_pair(boxes, a, b)) return "a pair does not overlap";
         if (p->flags & q->flags & BOX_STATIC) return "two static boxes are a pair";
     }
     return NULL;

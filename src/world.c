@@ -100,7 +100,7 @@ msap_status msap_create(const msap_config *config, msap_world **world)
     msap_crew_init(&w->crew, &w->config);
     msap_boxes_init(&w->boxes);
     msap_sap_init(&w->sap, c.dims);
-    msap_grid_init(&w->grid, &w->config);
+    msap_grid_init(&w->grid, &w->config, &w->boxes);
     *world = w;
     return MSAP_OK;
 }

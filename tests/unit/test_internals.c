@@ -79,11 +79,16 @@ static msap_world *sound_world(int row)
 /* ----------------------------------------------------------------------- boxes */
 
 #define BOX(slot) (w->boxes.at[slot])
+#define BEFORE(slot) (w->boxes.past[slot].before) /* of one that has changed */
 BREAK(now_inverted, SET(BOX(LOW).now.min[1], BOX(LOW).now.max[1] + 1))
-BREAK(before_inverted, SET(BOX(LOW).before.min[1], BOX(LOW).before.max[1] + 1))
+BREAK(before_inverted, SET(BEFORE(MIDDLE).min[1], BEFORE(MIDDLE).max[1] + 1))
 BREAK(marked_new, SET(BOX(LOW).flags, BOX(LOW).flags | BOX_NEW))
 BREAK(free_slot_stored, SET(BOX(FREED).flags, BOX_STORED))
-BREAK(not_marked, SET(BOX(LOW).now.max[0], BOX(LOW).now.max[0] + 1))
+BREAK(not_marked, SET(BOX(LOW).fat.max[0], BOX(LOW).now.max[0] - 1))
+BREAK(left_unchanged, SET(BOX(LOW).flags, BOX(LOW).flags | BOX_LEFT))
+BREAK(one_less_left, SET(w->boxes.n_left, w->boxes.n_left - 1))
+BREAK(stayed_in_left, SET(w->boxes.left[0], LOW))
+BREAK(nothing_in_left, SET(w->boxes.left[0], (uint32_t)w->boxes.used))
 BREAK(came_unmarked, SET(BOX(LOW).flags, BOX(LOW).flags & ~(uint32_t)BOX_WAS))
 BREAK(queue_leads_nowhere, SET(w->boxes.free.head, (uint32_t)w->boxes.used))
 BREAK(queue_is_a_ring, SET(BOX(FREED).now.min[0], FREED))
@@ -147,20 +152,17 @@ BREAK(not_in_order, SET(AXIS.key[2], AXIS.key[1]))
 BREAK(key_of_no_slot, SET(AXIS.key[LAST], AXIS.key[LAST] + (uint64_t)w->boxes.used))
 BREAK(key_of_unstored, SET(AXIS.key[LAST], AXIS.key[LAST] + (FRESH - FAR)))
 BREAK(rank_elsewhere, SET(AXIS.rank[2 * LOW], 2))
-BREAK(min_not_its_bound, SET(BOX(LOW).now.min[2], BOX(LOW).now.min[2] - 1);
-      SET(BOX(LOW).before.min[2], BOX(LOW).now.min[2]))
-BREAK(max_not_its_bound, SET(BOX(LOW).now.max[2], BOX(LOW).now.max[2] + 1);
-      SET(BOX(LOW).before.max[2], BOX(LOW).now.max[2]))
+BREAK(min_not_its_bound, SET(BOX(LOW).now.min[2], BOX(LOW).now.min[2] - 1))
+BREAK(max_not_its_bound, SET(BOX(LOW).now.max[2], BOX(LOW).now.max[2] + 1))
 
 /* ------------------------------------------------------------------------ grid */
 
-#define PLACE(slot) (w->grid.place[slot])
 #define NEAR(slot) (w->grid.near.of[slot])
 
 /* A cell that the box stands in, and its row there. */
 static struct cell *cell_of(msap_world *w, uint32_t wanted, uint32_t *row)
 {
-    struct layout *l = &w->grid.layout[PLACE(wanted).layout];
+    struct layout *l = &w->grid.layout[BOX(wanted).layout];
     size_t i;
     for (i = 0; i < l->n_cells; i++)
         for (*row = 0; *row < l->cell[i].n; ++*row)
@@ -175,8 +177,8 @@ static struct cell *cell_of(msap_world *w, uint32_t wanted, uint32_t *row)
     struct cell *c = cell_of(w, slot, &row); \
     __VA_ARGS__
 
-BREAK(absent, SET(PLACE(LOW).level, NO_LEVEL))
-BREAK(out_of_its_skin, SET(PLACE(LOW).fat.max[0], BOX(LOW).before.max[0] - 1))
+BREAK(absent, SET(BOX(LOW).level, NO_LEVEL))
+BREAK(out_of_its_skin, SET(BOX(MIDDLE).fat.max[0], BEFORE(MIDDLE).max[0] - 1))
 BREAK(row_of_no_slot, IN_CELL(FAR, SET(c->block[row / 8].id[row % 8], (uint32_t)w->boxes.used)))
 BREAK(row_of_absent, IN_CELL(FAR, SET(c->block[row / 8].id[row % 8], FRESH)))
 BREAK(other_bounds_in_cell, IN_CELL(FAR, SET(c->block[row / 8].max[0][row % 8], 0)))
@@ -208,7 +210,11 @@ static const struct {
     {SINGLE_SAP, before_inverted, "a box is inverted"},
     {SINGLE_SAP, marked_new, "a box is still marked as new"},
     {SINGLE_SAP, free_slot_stored, "a free slot is stored"},
-    {SINGLE_SAP, not_marked, "now is not before, but the box is not changed"},
+    {SINGLE_SAP, not_marked, "a box is outside its fat bounds, but is not on the list of those that left"},
+    {SINGLE_SAP, left_unchanged, "a box left, but is not changed"},
+    {SINGLE_SAP, one_less_left, "the list of those that left has another length than there are such boxes"},
+    {SINGLE_SAP, stayed_in_left, "the list of those that left names a box that did not"},
+    {SINGLE_SAP, nothing_in_left, "the list of those that left names a box that did not"},
     {SINGLE_SAP, came_unmarked, "a box came, went or is not stored, but is not changed"},
     {SINGLE_SAP, queue_leads_nowhere, "a queue of slots is damaged"},
     {SINGLE_SAP, queue_is_a_ring, "a queue of slots is damaged"},
@@ -357,6 +363,26 @@ START_TEST(generations_end)
     ck_assert_uint_eq(add(world, cube(0, 1)), (msap_handle)2 << 32 | 1);
     commit(world, 0, 1, 1);
     ok(msap_destroy(world));
+}
+END_TEST
+
+/* The numbers that tell which boxes have changed, and how old a skin is, wrap around: here within
+ * a few commits, and with boxes that changed when the first of them was what it then is again. */
+START_TEST(epochs_end)
+{
+    msap_config config = config_of(3, _i);
+    session s;
+    int frame;
+    right(session_open(&s, &config, 5, SCENE_GRID));
+    right(session_step(&s, 60));
+    s.world->boxes.epoch = UINT32_MAX - 4;
+    s.world->grid.commit = UINT16_MAX - 8;
+    for (frame = 0; frame < 20; frame++) {
+        right(session_step(&s, 20));
+        ok(msap_validate(s.world, NULL));
+    }
+    ck_assert_uint_lt(s.world->boxes.epoch, 20);
+    right(session_close(&s));
 }
 END_TEST
 
@@ -514,6 +540,7 @@ int main(void)
     tcase_add_loop_test(tests, no_slot_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, no_pair_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, generations_end, 0, SETUPS);
+    tcase_add_loop_test(tests, epochs_end, 0, SETUPS);
     tcase_add_loop_test(tests, tokens_end, 0, SETUPS);
     tcase_add_test(tests, numbers_of_cells_end);
     tcase_add_test(tests, keys_are_sorted);
