@@ -31,15 +31,25 @@ static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0;
 
 /* ---------------------------------------------------------- steps 1 and 2 */
 
-/* Boxes that have shrunk in their skins are to get new ones too: some of those that
- * changed are looked at in each commit, and others in the next. */
+/* Marks the baggy ones of every step-th changed box; returns how many they are. */
+static size_t mark_some_baggy(const struct grid *g, struct box_table *t, size_t first, size_t step)
+{
+    size_t n = 0;
+    for (size_t i = first; i < t->n_changed; i += step) {
+        const struct box *b = &t->at[t->changed[i]];
+        if (!(b->flags & BOX_LIVE) || b->level == NO_LEVEL || !skin_is_baggy(b, g)) continue;
+        box_mark_left(t, t->changed[i]);
+        n++;
+    }
+    return n;
+}
+
+/* Boxes that have shrunk in their skins are to get new ones too. Some of those that changed
+ * are looked at, others in the next commit; if one has shrunk, all are. */
 static void mark_baggy(const struct grid *g, struct box_table *t)
 {
     enum { ONE_IN = 16 };
-    for (size_t i = g->commit % ONE_IN; i < t->n_changed; i += ONE_IN) {
-        const struct box *b = &t->at[t->changed[i]];
-        if (b->flags & BOX_LIVE && b->level != NO_LEVEL && skin_is_baggy(b, g)) box_mark_left(t, t->changed[i]);
-    }
+    if (mark_some_baggy(g, t, g->commit % ONE_IN, ONE_IN) > 0) mark_some_baggy(g, t, 0, 1);
 }
 
 /* Whether a box that left is to be put elsewhere: not one that came and went between two
@@ -271,9 +281,7 @@ static int is_upheaval(const struct grid *g, const struct box_table *t, size_t m
     return cost > t->live * COST_OF_REBUILDING;
 }
 
-/* Returns the strategy that was taken, or 0 without memory: then the grid must be
- * rebuilt. */
-uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
+static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 512 };
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
@@ -287,4 +295,13 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
         return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
+}
+
+/* Returns the strategy that was taken, or 0 without memory: then the grid is empty and must
+ * be rebuilt. */
+uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
+{
+    uint32_t taken = update(g, job, strategy);
+    if (!taken) msap_grid_empty(g, job->memory);
+    return taken;
 }
