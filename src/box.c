@@ -104,6 +104,7 @@ static uint32_t take_slot(struct box_table *t)
 /* The table has room. The slot comes to the ends of both lists. */
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
+    static const struct bounds nowhere = NOWHERE;
     uint32_t slot = take_slot(t);
     struct box *b = &t->at[slot];
     b->now = *bounds;
@@ -114,6 +115,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     t->live++;
     box_mark_changed(t, slot);
     box_mark_left(t, slot);
+    t->past[slot].before = nowhere;
 }
 
 /* Takes back the additions since the table had so many slots used and so many boxes on its

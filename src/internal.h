@@ -161,7 +161,7 @@ struct box {
 
 /* What of a slot is seldom read. */
 struct past {
-    struct bounds before; /* of a box on the changed list: at the last successful commit */
+    struct bounds before; /* of a box on the changed list: at the last successful commit; or NOWHERE */
     void *user_data;
 };
 
@@ -247,6 +247,12 @@ static inline void box_change(struct box_table *t, uint32_t slot, const struct b
     if (!contains(&b->fat, &b->now)) box_mark_left(t, slot);
 }
 
+/* What overlaps nothing: the bounds before of a box that was not there. */
+#define NOWHERE \
+    { \
+        {ORDERED_INF, ORDERED_INF, ORDERED_INF}, { ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF } \
+    }
+
 /* The box is in no cell. */
 static inline void box_forget_place(struct box *b)
 {
@@ -309,12 +315,14 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 
 void msap_touch_known_pairs(struct job *job);
 
-/* A pair that is known to overlap now, found once. */
+/* A pair that is known to overlap now, found once, when the bounds before of all boxes are
+ * in `past`. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
-    const struct box *p = &s->boxes->at[a], *q = &s->boxes->at[b];
+    const struct box_table *t = s->boxes;
     s->touched++;
-    if (!were_pair(s->boxes, a, b) && !(p->flags & q->flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
+    if (overlap(&t->past[a].before, &t->past[b].before)) return;
+    if (!(t->at[a].flags & t->at[b].flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 /* A pair that is known to have overlapped before. */

@@ -111,8 +111,8 @@ static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, 
            range_across(range, 1, low[z], high[z], r->count[1]);
 }
 
-/* Finds the rows of each box, counts the boxes of each row into `end`, and puts the
- * wide boxes aside. Returns the number of entries in all rows. */
+/* Finds the rows of each box, counts the boxes of each row into `end`, puts the wide boxes
+ * aside, and completes the bounds before. Returns the number of entries in all rows. */
 static size_t count_rows(struct jump *j)
 {
     const struct rows *r = &j->grid->rows;
@@ -124,6 +124,7 @@ static size_t count_rows(struct jump *j)
         const struct box *b = &t->at[slot];
         struct row_range *range = &j->range[slot];
         if (!(b->flags & BOX_LIVE)) continue;
+        if (!box_is_changed(t, slot)) t->past[slot].before = b->now;
         uint64_t rows = range_rows(r, &b->now, range);
         if (rows > MOST_ROWS) {
             j->wide[j->n_wide++] = slot;

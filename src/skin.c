@@ -40,6 +40,12 @@ static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_
 
 /* ------------------------------------------------------------------ motion */
 
+/* The bounds before; a box that was not there has not moved. */
+static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
+{
+    return t->at[slot].flags & BOX_WAS ? box_before(t, slot) : &t->at[slot].now;
+}
+
 /* How the box moved in this commit: its bounds, and how far they went down and up.
  * Infinite bounds make NaNs of what depends on them. */
 #if defined(__SSE2__)
@@ -66,7 +72,7 @@ static inline float largest(__m128 v)
 static struct motion motion_of(const struct box_table *t, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &t->at[slot].now, *before = box_before(t, slot);
+    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
     m.low = three_values(now->min);
     m.high = three_values(now->max);
@@ -117,7 +123,7 @@ static float magnitude(float x) { return x < 0 ? -x : x; }
 static struct motion motion_of(const struct box_table *t, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &t->at[slot].now, *before = box_before(t, slot);
+    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
         m.low[k] = value_of(now->min[k]);
