@@ -123,6 +123,21 @@ void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t
     if (c->n == 0) drop(c, p, m);
 }
 
+/* Takes the boxes out whose tag is the token. An empty cell's memory goes back to the
+ * pool. */
+void msap_cell_sift(struct cell *c, struct pool *p, struct memory *m, const uint32_t *tag, uint32_t token)
+{
+    uint32_t n = 0, n_moving = 0;
+    for (uint32_t row = 0; row < c->n; row++) {
+        if (tag[c->block[row / 8].id[row % 8]] == token) continue;
+        n_moving += row < c->n_moving;
+        move_row(c, row, n++);
+    }
+    if (n == 0 && c->n > 0) drop(c, p, m);
+    c->n = n;
+    c->n_moving = n_moving;
+}
+
 /* Empties cells whose pool is to be emptied: only large arrays go back one by one. */
 void msap_cells_empty(struct cell *c, size_t n, struct pool *p, struct memory *m)
 {

@@ -587,6 +587,7 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
                      int is_static);
 void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
 void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
+void msap_cell_sift(struct cell *c, struct pool *p, struct memory *m, const uint32_t *tag, uint32_t token);
 void msap_cells_empty(struct cell *c, size_t n, struct pool *p, struct memory *m);
 uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b);
 

@@ -71,14 +71,15 @@ static size_t misplaced_first(const struct grid *g, struct box_table *t)
     return n;
 }
 
-/* Orders the first n boxes that left by the cell that they were in or, of those that come,
+/* Orders the boxes first ... last - 1 of those that left by the cell that they were in or, of those that come,
  * are in now, so that what is near in space is near in time. Without memory they stay as
  * they are. */
-static void order_by_cell(const struct grid *g, const struct job *job, size_t n)
+static void order_by_cell(const struct grid *g, const struct job *job, size_t first, size_t last)
 {
-    uint32_t *left = job->boxes->left;
+    uint32_t *left = job->boxes->left + first;
+    size_t n = last - first;
     uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
-    if (!key) return;
+    if (!key || n == 0) return;
     for (size_t i = 0; i < n; i++) {
         const struct layout *l = &g->layout[g->current];
         const struct box *b = &job->boxes->at[left[i]];
@@ -128,19 +129,76 @@ static int relocate(struct grid *g, const struct job *job, uint32_t slot)
     return msap_grid_put(g, job->memory, slot, is_static(b), base);
 }
 
-/* Of the first n boxes that left, those that were removed leave, and are put first.
- * Returns how many they are. */
-static size_t leave_first(struct grid *g, const struct job *job, size_t n)
+/* Of the first n boxes that left, puts those that were removed first. Returns how many they
+ * are. */
+static size_t removed_first(const struct box_table *t, size_t n)
 {
-    const struct box_table *t = job->boxes;
     size_t gone = 0;
     for (size_t i = 0; i < n; i++) {
         uint32_t slot = t->left[i];
         if (t->at[slot].flags & BOX_LIVE) continue;
-        leave(g, job, slot);
         t->left[i] = t->left[gone];
         t->left[gone++] = slot;
     }
+    return gone;
+}
+
+/* Takes the tagged ones, which are removed, out of all lists. */
+static void leave_lists(struct grid *g, size_t slots)
+{
+    for (size_t slot = 0; slot < slots; slot++) {
+        struct near_list *l = &g->near.of[slot];
+        for (uint32_t i = l->n; i-- > 0;)
+            if (g->tag[near_slot(l->at[i])] == g->token) msap_near_take_out(l, i);
+    }
+}
+
+/* The first `gone` changed boxes, which were removed, leave the grid together: all lists
+ * and cells are gone through once, in order, instead of being searched for each box. It
+ * needs no memory. */
+static void leave_together(struct grid *g, const struct job *job, size_t gone)
+{
+    const uint32_t *changed = job->boxes->changed;
+    msap_grid_new_token(g);
+    for (size_t i = 0; i < gone; i++) g->tag[changed[i]] = g->token;
+    for (size_t i = 0; i < gone; i++) {
+        uint32_t slot = changed[i];
+        struct near_list *l = &g->near.of[slot];
+        struct place *p = &g->place[slot];
+        for (uint32_t k = 0; k < l->n; k++) {
+            uint32_t other = near_slot(l->at[k]);
+            if (other < slot && g->tag[other] == g->token) continue; /* it settles the pair itself */
+            settle(job->settler, slot, other);
+        }
+        msap_near_drop(&g->near, job->memory, slot);
+        g->layout[p->layout].level[p->level].boxes--;
+        g->layout[p->layout].boxes--;
+        p->level = NO_LEVEL;
+    }
+    leave_lists(g, job->boxes->used);
+    for (int i = 0; i < 2; i++)
+        for (size_t c = 0; c < g->layout[i].n_cells; c++)
+            msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, g->tag, g->token);
+}
+
+/* Whether so many of the boxes leave that to go through all lists and cells costs less
+ * than to search for each. */
+static int is_exodus(const struct box_table *t, size_t gone)
+{
+    enum { FEW = 64, SHARE = 8 };
+    return gone > FEW && gone > t->live / SHARE;
+}
+
+/* Of the first n changed boxes, those that were removed leave, and are put first.
+ * Returns how many they are. */
+static size_t leave_first(struct grid *g, const struct job *job, size_t n, int by_cell)
+{
+    size_t gone = removed_first(job->boxes, n);
+    int together = is_exodus(job->boxes, gone);
+    if (together) leave_together(g, job, gone);
+    if (by_cell && !together) order_by_cell(g, job, 0, gone);
+    for (size_t i = 0; i < gone && !together; i++) leave(g, job, job->boxes->changed[i]);
+    if (by_cell) order_by_cell(g, job, gone, n);
     return gone;
 }
 
@@ -257,10 +315,9 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     enum { FEW = 32 }; /* boxes whose cells are still in the cache when they are asked */
     const uint32_t *left = job->boxes->left;
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
-    if (by_cell) order_by_cell(g, job, misplaced);
     g->moves = misplaced;
     size_t most = job->crew->size > 1 ? misplaced : FEW;
-    size_t gone = leave_first(g, job, misplaced);
+    size_t gone = leave_first(g, job, misplaced, by_cell);
     msap_near_tidy(&g->near, is_near, g);
     for (size_t i = gone, n; i < misplaced; i += n) {
         n = misplaced - i < most ? misplaced - i : most;

@@ -428,6 +428,75 @@ START_TEST(work_follows_boxes_that_walk)
 }
 END_TEST
 
+/* ------------------------------------------------------------- mass removal */
+
+static unsigned next_number(unsigned *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+/* Boxes of all sizes, from tiny ones to giants. */
+static box box_of_some_size(unsigned *state)
+{
+    static const float sizes[] = {1, 1, 1, 1, 2, 6, 20, 90};
+    float x = (float)(next_number(state) % 640) / 16, y = (float)(next_number(state) % 640) / 16,
+          z = (float)(next_number(state) % 160) / 16, size = sizes[next_number(state) % 8];
+    if (size > 2 && next_number(state) % 4 > 0) size = 0.5f;
+    return box_of(x, y, z, x + size, y + size, z + size);
+}
+
+enum { CROWD = 600 };
+
+static uint64_t pairs_by_force(const box *boxes, const int *still, const msap_handle *handles)
+{
+    uint64_t n = 0;
+    int i, j, k;
+    for (i = 0; i < CROWD; i++)
+        for (j = i + 1; j < CROWD && handles[i]; j++) {
+            int meet = handles[j] && !(still[i] && still[j]);
+            for (k = 0; k < 3; k++)
+                meet = meet && boxes[i].min[k] <= boxes[j].max[k] && boxes[j].min[k] <= boxes[i].max[k];
+            n += (uint64_t)(meet != 0);
+        }
+    return n;
+}
+
+/* Many boxes leave in one commit, in some rounds while others come or move. */
+START_TEST(many_boxes_leave_together)
+{
+    msap_world *world = new_world(3, _i);
+    static box boxes[CROWD];
+    static int still[CROWD];
+    static msap_handle handles[CROWD];
+    unsigned state = 7;
+    int round, i;
+    memset(handles, 0, sizeof handles);
+    for (round = 0; round < 12; round++) {
+        msap_counts counts = {sizeof counts, 0, 0, 0, 0};
+        const char *what = NULL;
+        for (i = 0; i < CROWD; i++) {
+            unsigned choice = next_number(&state) % 8;
+            if (handles[i] && round % 3 > 0 && choice < (round == 11 ? 8u : 3u)) {
+                ok(msap_remove(world, handles[i]));
+                handles[i] = MSAP_NULL_HANDLE;
+            } else if (!handles[i] && (round % 3 == 0 || (round % 3 == 2 && choice == 7))) {
+                boxes[i] = box_of_some_size(&state);
+                still[i] = next_number(&state) % 2 == 0;
+                handles[i] = add_flagged(world, boxes[i], still[i] ? MSAP_STATIC : 0);
+            } else if (handles[i] && round % 3 == 2 && choice == 6) {
+                boxes[i] = box_of_some_size(&state);
+                update(world, handles[i], boxes[i]);
+            }
+        }
+        ok(msap_commit(world, NULL, &counts));
+        ck_assert_msg(msap_validate(world, &what) == MSAP_OK, "%s: %s", setup_name, what ? what : "no reason given");
+        ck_assert_msg(counts.active == pairs_by_force(boxes, still, handles), "%s: round %d", setup_name, round);
+    }
+    ok(msap_destroy(world));
+}
+END_TEST
+
 int main(void)
 {
     static const int strategies[] = {MSAP_STRATEGY_AUTO, MSAP_STRATEGY_SWEEP};
@@ -436,6 +505,7 @@ int main(void)
     tcase_add_loop_test(tests, a_pair_in_many_cells_is_one_event, 0, SETUPS);
     tcase_add_loop_test(tests, borders_between_cells_are_not_seen, 0, SETUPS);
     tcase_add_loop_test(tests, wrapped_cells_are_not_one_place, 0, SETUPS);
+    tcase_add_loop_test(tests, many_boxes_leave_together, 0, SETUPS);
     tcase_add_test(tests, cells_are_as_wide_as_asked);
     tcase_add_test(tests, a_fixed_grid_has_the_cells_that_were_asked_for);
     tcase_add_test(tests, a_grid_that_is_too_large_for_the_memory);
