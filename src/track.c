@@ -153,27 +153,27 @@ static void leave_lists(struct grid *g, size_t slots)
     }
 }
 
-/* The first `gone` changed boxes, which were removed, leave the grid together: all lists
+/* The first `gone` boxes that left, which were removed, leave the grid together: all lists
  * and cells are gone through once, in order, instead of being searched for each box. It
  * needs no memory. */
 static void leave_together(struct grid *g, const struct job *job, size_t gone)
 {
-    const uint32_t *changed = job->boxes->changed;
+    const uint32_t *left = job->boxes->left;
     msap_grid_new_token(g);
-    for (size_t i = 0; i < gone; i++) g->tag[changed[i]] = g->token;
+    for (size_t i = 0; i < gone; i++) g->tag[left[i]] = g->token;
     for (size_t i = 0; i < gone; i++) {
-        uint32_t slot = changed[i];
+        uint32_t slot = left[i];
         struct near_list *l = &g->near.of[slot];
-        struct place *p = &g->place[slot];
+        struct box *b = &job->boxes->at[slot];
         for (uint32_t k = 0; k < l->n; k++) {
             uint32_t other = near_slot(l->at[k]);
             if (other < slot && g->tag[other] == g->token) continue; /* it settles the pair itself */
             settle(job->settler, slot, other);
         }
         msap_near_drop(&g->near, job->memory, slot);
-        g->layout[p->layout].level[p->level].boxes--;
-        g->layout[p->layout].boxes--;
-        p->level = NO_LEVEL;
+        g->layout[b->layout].level[b->level].boxes--;
+        g->layout[b->layout].boxes--;
+        box_forget_place(b);
     }
     leave_lists(g, job->boxes->used);
     for (int i = 0; i < 2; i++)
@@ -186,10 +186,10 @@ static void leave_together(struct grid *g, const struct job *job, size_t gone)
 static int is_exodus(const struct box_table *t, size_t gone)
 {
     enum { FEW = 64, SHARE = 8 };
-    return gone > FEW && gone > t->live / SHARE;
+    return gone > FEW && gone > t->used / SHARE;
 }
 
-/* Of the first n changed boxes, those that were removed leave, and are put first.
+/* Of the first n boxes that left, those that were removed leave the grid, and are put first.
  * Returns how many they are. */
 static size_t leave_first(struct grid *g, const struct job *job, size_t n, int by_cell)
 {
@@ -197,7 +197,7 @@ static size_t leave_first(struct grid *g, const struct job *job, size_t n, int b
     int together = is_exodus(job->boxes, gone);
     if (together) leave_together(g, job, gone);
     if (by_cell && !together) order_by_cell(g, job, 0, gone);
-    for (size_t i = 0; i < gone && !together; i++) leave(g, job, job->boxes->changed[i]);
+    for (size_t i = 0; i < gone && !together; i++) leave(g, job, job->boxes->left[i]);
     if (by_cell) order_by_cell(g, job, gone, n);
     return gone;
 }
