@@ -143,13 +143,21 @@ static size_t removed_first(const struct box_table *t, size_t n)
     return gone;
 }
 
-/* Takes the tagged ones, which are removed, out of all lists. */
-static void leave_lists(struct grid *g, size_t slots)
+/* Settles the pairs of the tagged boxes, which are removed, and takes these out of all lists:
+ * the entries tell what the pairs were, so no box need be looked at. */
+static void leave_lists(struct grid *g, const struct job *job)
 {
-    for (size_t slot = 0; slot < slots; slot++) {
+    for (uint32_t slot = 0; slot < job->boxes->used; slot++) {
         struct near_list *l = &g->near.of[slot];
-        for (uint32_t i = l->n; i-- > 0;)
-            if (g->tag[near_slot(l->at[i])] == g->token) msap_near_take_out(l, i);
+        int is_gone = g->tag[slot] == g->token;
+        for (uint32_t i = l->n; i-- > 0;) {
+            uint32_t other = near_slot(l->at[i]);
+            if (!is_gone && g->tag[other] != g->token) continue;
+            job->settler->touched += i < l->n_above;
+            if (l->at[i] & NEAR_PAIR) msap_settle_change(job->settler, pair_key(slot, other), 0);
+            if (!is_gone) msap_near_take_out(l, i);
+        }
+        if (is_gone) msap_near_drop(&g->near, job->memory, slot);
     }
 }
 
@@ -158,24 +166,16 @@ static void leave_lists(struct grid *g, size_t slots)
  * needs no memory. */
 static void leave_together(struct grid *g, const struct job *job, size_t gone)
 {
-    const uint32_t *left = job->boxes->left;
     msap_grid_new_token(g);
-    for (size_t i = 0; i < gone; i++) g->tag[left[i]] = g->token;
     for (size_t i = 0; i < gone; i++) {
-        uint32_t slot = left[i];
-        struct near_list *l = &g->near.of[slot];
-        struct box *b = &job->boxes->at[slot];
-        for (uint32_t k = 0; k < l->n; k++) {
-            uint32_t other = near_slot(l->at[k]);
-            if (other < slot && g->tag[other] == g->token) continue; /* it settles the pair itself */
-            settle(job->settler, slot, other);
-        }
-        msap_near_drop(&g->near, job->memory, slot);
-        g->layout[b->layout].level[b->level].boxes--;
-        g->layout[b->layout].boxes--;
+        struct box *b = &job->boxes->at[job->boxes->left[i]];
+        struct layout *l = &g->layout[b->layout];
+        g->tag[job->boxes->left[i]] = g->token;
+        l->level[b->level].boxes--;
+        l->boxes--;
         box_forget_place(b);
     }
-    leave_lists(g, job->boxes->used);
+    leave_lists(g, job);
     for (int i = 0; i < 2; i++)
         for (size_t c = 0; c < g->layout[i].n_cells; c++)
             msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, g->tag, g->token);
