@@ -9,7 +9,8 @@ static const char *box_broken(const struct box_table *t, uint32_t slot)
     const struct box *b = &t->at[slot];
     const struct bounds *before = box_before(t, slot);
     for (int k = 0; k < 3 && b->flags & BOX_LIVE; k++)
-        if (b->now.min[k] > b->now.max[k] || (b->flags & BOX_WAS && before->min[k] > before->max[k])) return "a box is inverted";
+        if (b->now.min[k] > b->now.max[k] || ((b->flags & BOX_WAS) && before->min[k] > before->max[k]))
+            return "a box is inverted";
     if ((b->flags & (BOX_LIVE | BOX_LEFT)) == BOX_LIVE && !contains(&b->fat, &b->now))
         return "a box is outside its fat bounds, but is not on the list of those that left";
     if (b->flags & BOX_NEW) return "a box is still marked as new";

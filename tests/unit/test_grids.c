@@ -430,70 +430,26 @@ END_TEST
 
 /* ------------------------------------------------------------- mass removal */
 
-static unsigned next_number(unsigned *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
-
-/* Boxes of all sizes, from tiny ones to giants. */
-static box box_of_some_size(unsigned *state)
-{
-    static const float sizes[] = {1, 1, 1, 1, 2, 6, 20, 90};
-    float x = (float)(next_number(state) % 640) / 16, y = (float)(next_number(state) % 640) / 16,
-          z = (float)(next_number(state) % 160) / 16, size = sizes[next_number(state) % 8];
-    if (size > 2 && next_number(state) % 4 > 0) size = 0.5f;
-    return box_of(x, y, z, x + size, y + size, z + size);
-}
-
-enum { CROWD = 600 };
-
-static uint64_t pairs_by_force(const box *boxes, const int *still, const msap_handle *handles)
-{
-    uint64_t n = 0;
-    int i, j, k;
-    for (i = 0; i < CROWD; i++)
-        for (j = i + 1; j < CROWD && handles[i]; j++) {
-            int meet = handles[j] && !(still[i] && still[j]);
-            for (k = 0; k < 3; k++)
-                meet = meet && boxes[i].min[k] <= boxes[j].max[k] && boxes[j].min[k] <= boxes[i].max[k];
-            n += (uint64_t)(meet != 0);
-        }
-    return n;
-}
-
-/* Many boxes leave in one commit, in some rounds while others come or move. */
+/* Many boxes leave in one commit, in some while others come and move; in the last one all do. */
 START_TEST(many_boxes_leave_together)
 {
-    msap_world *world = new_world(3, _i);
-    static box boxes[CROWD];
-    static int still[CROWD];
-    static msap_handle handles[CROWD];
-    unsigned state = 7;
-    int round, i;
-    memset(handles, 0, sizeof handles);
-    for (round = 0; round < 12; round++) {
-        msap_counts counts = {sizeof counts, 0, 0, 0, 0};
-        const char *what = NULL;
-        for (i = 0; i < CROWD; i++) {
-            unsigned choice = next_number(&state) % 8;
-            if (handles[i] && round % 3 > 0 && choice < (round == 11 ? 8u : 3u)) {
-                ok(msap_remove(world, handles[i]));
-                handles[i] = MSAP_NULL_HANDLE;
-            } else if (!handles[i] && (round % 3 == 0 || (round % 3 == 2 && choice == 7))) {
-                boxes[i] = box_of_some_size(&state);
-                still[i] = next_number(&state) % 2 == 0;
-                handles[i] = add_flagged(world, boxes[i], still[i] ? MSAP_STATIC : 0);
-            } else if (handles[i] && round % 3 == 2 && choice == 6) {
-                boxes[i] = box_of_some_size(&state);
-                update(world, handles[i], boxes[i]);
-            }
-        }
-        ok(msap_commit(world, NULL, &counts));
-        ck_assert_msg(msap_validate(world, &what) == MSAP_OK, "%s: %s", setup_name, what ? what : "no reason given");
-        ck_assert_msg(counts.active == pairs_by_force(boxes, still, handles), "%s: round %d", setup_name, round);
+    msap_config config = config_of(3, _i);
+    session s;
+    int round, step;
+    uint32_t slot;
+    right(session_open(&s, &config, 11, SCENE_SIZES));
+    for (round = 0; round < 6; round++) {
+        for (step = 0; step < 4; step++)
+            right(session_step(&s, 500));
+        for (slot = 0; slot < s.reference.slot_count; slot++)
+            if (s.reference.slots[slot].state == SLOT_LIVE && random_below(&s.random, 8) < (round == 5 ? 8 : 3))
+                right(session_remove(&s, s.reference.slots[slot].handle));
+        if (round % 2 == 1 && round < 5)
+            right(session_change(&s, 400));
+        right(session_commit(&s));
+        right(session_compare(&s));
     }
-    ok(msap_destroy(world));
+    right(session_close(&s));
 }
 END_TEST
 
