@@ -83,7 +83,7 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
     return 1;
 }
 
-/* Empties all cells and lists; the places are left. */
+/* Empties all cells and lists; the boxes keep their skins. */
 void msap_grid_empty_cells(struct grid *g, struct memory *m)
 {
     if (g->is_empty) return;

@@ -181,8 +181,15 @@ static void leave_together(struct grid *g, const struct job *job, size_t gone)
             msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, g->tag, g->token);
 }
 
-/* Whether so many of the boxes leave that to go through all lists and cells costs less
- * than to search for each. */
+/* The same one by one. */
+static void leave_each(struct grid *g, const struct job *job, size_t gone, int by_cell)
+{
+    if (by_cell) order_by_cell(g, job, 0, gone);
+    for (size_t i = 0; i < gone; i++) leave(g, job, job->boxes->left[i]);
+}
+
+/* Whether so many of the boxes leave that to go through all lists and cells should cost
+ * less than to search for each. */
 static int is_exodus(const struct box_table *t, size_t gone)
 {
     enum { FEW = 64, SHARE = 8 };
@@ -194,10 +201,8 @@ static int is_exodus(const struct box_table *t, size_t gone)
 static size_t leave_first(struct grid *g, const struct job *job, size_t n, int by_cell)
 {
     size_t gone = removed_first(job->boxes, n);
-    int together = is_exodus(job->boxes, gone);
-    if (together) leave_together(g, job, gone);
-    if (by_cell && !together) order_by_cell(g, job, 0, gone);
-    for (size_t i = 0; i < gone && !together; i++) leave(g, job, job->boxes->left[i]);
+    if (is_exodus(job->boxes, gone)) leave_together(g, job, gone);
+    else leave_each(g, job, gone, by_cell);
     if (by_cell) order_by_cell(g, job, gone, n);
     return gone;
 }
