@@ -366,8 +366,25 @@ START_TEST(generations_end)
 }
 END_TEST
 
-/* The numbers that tell which boxes have changed, and how old a skin is, wrap around: here within
- * a few commits, and with boxes that changed when the first of them was what it then is again. */
+/* A box that last changed in the first epoch, when that number comes again. */
+START_TEST(an_epoch_comes_again)
+{
+    msap_world *world = new_world(3, _i);
+    msap_handle a = add(world, cube(0, 1));
+    commit(world, 0, 0, 0);
+    world->boxes.epoch = UINT32_MAX;
+    add(world, cube(5, 6));
+    commit(world, 0, 0, 0);
+    ck_assert_uint_eq(world->boxes.epoch, 1);
+    ok(msap_validate(world, NULL));
+    update(world, a, cube(4, 5));
+    commit(world, 0, 1, 1);
+    ok(msap_destroy(world));
+}
+END_TEST
+
+/* The numbers that tell which boxes have changed, and how old a skin is, wrap around within a
+ * few commits. */
 START_TEST(epochs_end)
 {
     msap_config config = config_of(3, _i);
@@ -540,6 +557,7 @@ int main(void)
     tcase_add_loop_test(tests, no_slot_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, no_pair_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, generations_end, 0, SETUPS);
+    tcase_add_loop_test(tests, an_epoch_comes_again, 0, SETUPS);
     tcase_add_loop_test(tests, epochs_end, 0, SETUPS);
     tcase_add_loop_test(tests, tokens_end, 0, SETUPS);
     tcase_add_test(tests, numbers_of_cells_end);
