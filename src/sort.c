@@ -3,9 +3,12 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * A byte-wise radix sort, lowest byte first, over the bytes in which the keys
- * differ. Few keys are sorted by insertion. Without scratch memory a heap sort
- * does the same in place, more slowly, so that no sort can run out of memory. */
+ * A radix sort, lowest digit first, over the upper of the bits in which the keys differ:
+ * of n keys that are spread over their range, log2 n bits and a few more tell nearly all
+ * apart. What is then still out of order is inserted; where that is much, the keys are
+ * not spread so, and all bits are sorted by. Few keys are sorted by insertion alone.
+ * Without scratch memory a heap sort does the same in place, more slowly, so that no sort
+ * can run out of memory. */
 #include "internal.h"
 
 int msap_keys_reserve(struct keys *k, struct memory *m, size_t need)
@@ -19,14 +22,19 @@ void msap_keys_free(struct keys *k, struct memory *m)
     memset(k, 0, sizeof *k);
 }
 
-static void insertion_sort(uint64_t *key, size_t n)
+/* Sorts by insertion, which moves keys by at most `most` places in all, and by those of one
+ * key more. Returns 0 if that was not enough. */
+static int insertion_sort(uint64_t *key, size_t n, size_t most)
 {
-    for (size_t i = 1; i < n; i++) {
+    size_t moved = 0;
+    for (size_t i = 1; i < n && moved <= most; i++) {
         uint64_t moving = key[i];
         size_t at = i;
         for (; at > 0 && key[at - 1] > moving; at--) key[at] = key[at - 1];
         key[at] = moving;
+        moved += i - at;
     }
+    return moved <= most;
 }
 
 /* Lets key[at] sink to its place in the heap of n. */
@@ -52,34 +60,60 @@ static void heap_sort(uint64_t *key, size_t n)
     }
 }
 
-static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned shift)
+/* How the keys differ: in so many bits at the low ends of their halves, and in none above. */
+struct difference {
+    unsigned low, high;
+};
+
+static unsigned bits_in(uint32_t value)
 {
-    size_t place[256] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++) place[from[i] >> shift & 255]++;
-    for (size_t d = 0; d < 256; d++) {
-        size_t here = place[d];
+    unsigned n = 0;
+    for (; value > 0; value >>= 1) n++;
+    return n;
+}
+
+static struct difference difference_of(const uint64_t *key, size_t n)
+{
+    uint64_t differ = 0;
+    for (size_t i = 1; i < n; i++) differ |= key[i] ^ key[0];
+    struct difference d = {bits_in((uint32_t)differ), bits_in((uint32_t)(differ >> 32))};
+    return d;
+}
+
+enum { DIGIT_MOST = 12 /* bits: the places of all digits stay in the cache */ };
+
+/* Of a key without the bits that are the same in both halves of all. */
+static inline size_t digit_of(uint64_t key, unsigned low, unsigned shift, size_t mask)
+{
+    uint64_t packed = key >> 32 << low | (key & (((uint64_t)1 << low) - 1));
+    return (size_t)(packed >> shift) & mask;
+}
+
+/* Orders by the digit of so many bits from `shift` on, keeping the order of keys with the
+ * same. */
+static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned low, unsigned shift, unsigned bits)
+{
+    uint32_t place[1 << DIGIT_MOST], sum = 0;
+    size_t mask = ((size_t)1 << bits) - 1;
+    memset(place, 0, (mask + 1) * sizeof *place);
+    for (size_t i = 0; i < n; i++) place[digit_of(from[i], low, shift, mask)]++;
+    for (size_t d = 0; d <= mask; d++) {
+        uint32_t here = place[d];
         place[d] = sum;
         sum += here;
     }
-    for (size_t i = 0; i < n; i++) to[place[from[i] >> shift & 255]++] = from[i];
+    for (size_t i = 0; i < n; i++) to[place[digit_of(from[i], low, shift, mask)]++] = from[i];
 }
 
-/* Sorts key[n] upwards. scratch has room for n keys, or is NULL. */
-void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
+/* Orders by the upper `bits` of the bits in which keys differ, `low` of them in the low halves. */
+static void radix_sort(uint64_t *key, size_t n, uint64_t *scratch, unsigned low, unsigned all, unsigned bits)
 {
-    if (n <= 32) {
-        insertion_sort(key, n);
-        return;
-    }
-    if (!scratch) {
-        heap_sort(key, n);
-        return;
-    }
-    uint64_t differ = 0, *from = key, *to = scratch;
-    for (size_t i = 1; i < n; i++) differ |= key[i] ^ key[0];
-    for (unsigned shift = 0; shift < 64; shift += 8) {
-        if (!(differ >> shift & 255)) continue;
-        radix_pass(from, to, n, shift);
+    unsigned passes = (bits + DIGIT_MOST - 1) / DIGIT_MOST, shift = all - bits;
+    uint64_t *from = key, *to = scratch;
+    for (; passes > 0; passes--) {
+        unsigned digit = (all - shift + passes - 1) / passes;
+        radix_pass(from, to, n, low, shift, digit);
+        shift += digit;
         uint64_t *swap = from;
         from = to;
         to = swap;
@@ -87,31 +121,34 @@ void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
     if (from != key) memcpy(key, from, n * sizeof *key);
 }
 
-static void wide_radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned shift)
+/* Sorts keys of which the lowest `low` of the low halves tell; the others are in order, or
+ * the same. */
+static void sort_by(uint64_t *key, size_t n, uint64_t *scratch, unsigned low, struct difference d)
 {
-    enum { DIGITS = 1 << 11 };
-    uint32_t place[DIGITS] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++) place[from[i] >> shift & (DIGITS - 1)]++;
-    for (size_t d = 0; d < DIGITS; d++) {
-        uint32_t here = place[d];
-        place[d] = sum;
-        sum += here;
-    }
-    for (size_t i = 0; i < n; i++) to[place[from[i] >> shift & (DIGITS - 1)]++] = from[i];
+    enum { MORE_BITS = 7, PLACES = 2 };
+    unsigned all = low + d.high, enough = bits_in((uint32_t)n) + MORE_BITS;
+    radix_sort(key, n, scratch, low, all, all < enough ? all : enough);
+    if (!insertion_sort(key, n, PLACES * n)) radix_sort(key, n, scratch, d.low, d.low + d.high, d.low + d.high);
 }
 
-/* Sorts fewer than 2^32 keys, whose low halves are in order, by their high halves:
- * three passes, so the result is in scratch and is copied back. */
+enum { FEW = 32 };
+
+/* Sorts key[n] upwards, n below 2^32. scratch has room for n keys, or is NULL. */
+void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
+{
+    if (n <= FEW) insertion_sort(key, n, SIZE_MAX);
+    else if (!scratch) heap_sort(key, n);
+    else {
+        struct difference d = difference_of(key, n);
+        sort_by(key, n, scratch, d.low, d);
+    }
+}
+
+/* The same for keys whose low halves are in order. */
 void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch)
 {
-    if (n <= 32) {
-        insertion_sort(key, n);
-        return;
-    }
-    wide_radix_pass(key, scratch, n, 32);
-    wide_radix_pass(scratch, key, n, 43);
-    wide_radix_pass(key, scratch, n, 54);
-    memcpy(key, scratch, n * sizeof *key);
+    if (n <= FEW) insertion_sort(key, n, SIZE_MAX);
+    else sort_by(key, n, scratch, 0, difference_of(key, n));
 }
 
 /* Drops the repeats of a sorted array; returns how many keys are left. */

@@ -440,25 +440,33 @@ static int compare_keys(const void *a, const void *b)
 }
 
 /* Few keys and many, with repeats and without, with memory to sort in and without; those
- * that are sorted by their high halves come in the order of their low ones. */
+ * that are sorted by their high halves come in the order of their low ones. Keys that differ
+ * in few bits high up and many low down crowd where the upper bits tell nothing apart. */
 START_TEST(keys_are_sorted)
 {
     enum { MOST = 3000 };
     static uint64_t key[MOST], expected[MOST], scratch[MOST];
+    static const uint64_t mask[3] = {UINT64_MAX, 0xFF00FF0300000000u, 0x000003FF0000FFFFu};
     uint64_t random = 3;
     size_t n, i;
     for (n = 0; n < MOST; n += 1 + n / 3) {
         int way;
-        for (way = 0; way < 6; way++) {
-            uint64_t mask = way % 2 ? 0xFF00FF0300000000u : UINT64_MAX;
-            for (i = 0; i < n; i++)
-                expected[i] = key[i] = way < 4 ? random_next(&random) & mask
-                                               : (random_next(&random) & mask & ~(uint64_t)UINT32_MAX) | i;
+        for (way = 0; way < 9; way++) {
+            int is_by_value = way % 3 == 2;
+            for (i = 0; i < n; i++) {
+                uint64_t crowded = i % 500 == 499 ? (uint64_t)3 << 62 : 0;
+                key[i] = random_next(&random) & mask[way / 3];
+                if (way / 3 == 2)
+                    key[i] |= crowded;
+                if (is_by_value)
+                    key[i] = (key[i] & ~(uint64_t)UINT32_MAX) | i;
+                expected[i] = key[i];
+            }
             qsort(expected, n, sizeof *expected, compare_keys);
-            if (way < 4)
-                msap_sort_keys(key, n, way < 2 ? scratch : NULL);
-            else
+            if (is_by_value)
                 msap_sort_values(key, n, scratch);
+            else
+                msap_sort_keys(key, n, way % 3 == 0 ? scratch : NULL);
             for (i = 0; i < n; i++)
                 ck_assert_uint_eq(key[i], expected[i]);
         }
