@@ -110,6 +110,8 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_pool_free(&g->near.pool, m);
     for (int i = 0; i < 2; i++) msap_layout_free(&g->layout[i], m);
     msap_row_set_free(&g->row_set, m);
+    msap_keys_free(&g->known, m);
+    g->knows_pairs = 0;
     g->rows.chosen_for = 0;
     g->slots = slots;
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);

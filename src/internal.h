@@ -315,14 +315,12 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 
 void msap_touch_known_pairs(struct job *job);
 
-/* A pair that is known to overlap now, found once, when the bounds before of all boxes are
- * in `past`. */
+/* A pair that is known to overlap now, not both static, when the bounds before of all boxes
+ * are in `past`. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box_table *t = s->boxes;
-    s->touched++;
-    if (overlap(&t->past[a].before, &t->past[b].before)) return;
-    if (!(t->at[a].flags & t->at[b].flags & BOX_STATIC)) msap_settle_change(s, pair_key(a, b), 1);
+    if (!overlap(&t->past[a].before, &t->past[b].before)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 /* A pair that is known to have overlapped before. */
@@ -352,6 +350,11 @@ struct pair_table {
     size_t homes, room_next;          /* homes: 0 or a power of two, at least as many as active pairs */
     unsigned shift;                   /* homes == 1 << (64 - shift), unless 0 */
 };
+
+static inline uint64_t pair_key_at(const struct pair_table *t, uint32_t index)
+{
+    return (uint64_t)slot_of(t->at[index].a) << 32 | slot_of(t->at[index].b);
+}
 
 void msap_pairs_free(struct pair_table *t, struct memory *m);
 int msap_pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted);
@@ -483,6 +486,7 @@ int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots);
 void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
 void msap_crew_free(struct crew *crew, struct memory *m);
 int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t weight);
+int msap_worker_has_room(struct worker *w, size_t n, size_t slack);
 void msap_worker_put(struct worker *w, uint64_t key);
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n);
 
@@ -637,10 +641,17 @@ struct rows {
     uint32_t chosen_at; /* the commit in which they were */
 };
 
+/* Besides a slot in a row: its box starts in this row on the first or the second axis across;
+ * it is not static. Two boxes are taken where one of them or the other has each mark. */
+#define ROW_STARTS_1 0x80000000u
+#define ROW_STARTS_2 0x40000000u
+#define ROW_MOVES 0x20000000u
+#define ROW_MARKS (ROW_STARTS_1 | ROW_STARTS_2 | ROW_MOVES)
+
 /* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. */
 struct row_set {
     int32_t *min[3], *max[3];
-    uint32_t *id;
+    uint32_t *id; /* slots with marks */
     int32_t *words; /* all of them */
     size_t room;
 };
@@ -654,13 +665,14 @@ struct row_sweep {
     uint32_t i, j;
 };
 
-/* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. */
+/* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. Gives the slots
+ * of the pairs that are taken. */
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end,
                              struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
-                               uint32_t slot)
+                               uint32_t id)
 {
     set->min[0][at] = b->min[axis[0]];
     set->min[1][at] = b->min[axis[1]];
@@ -668,7 +680,7 @@ static inline void row_set_put(struct row_set *set, uint32_t at, const struct bo
     set->max[0][at] = b->max[axis[0]];
     set->max[1][at] = b->max[axis[1]];
     set->max[2][at] = b->max[axis[2]];
-    set->id[at] = slot;
+    set->id[at] = id;
 }
 
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
@@ -694,6 +706,9 @@ struct grid {
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
     struct rows rows;
     struct row_set row_set;
+    struct keys known;   /* if knows_pairs, the keys of all active pairs, sorted */
+    int knows_pairs;
+    int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
 };
 
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
@@ -755,11 +770,14 @@ static inline int skin_is_baggy(const struct box *b, const struct grid *g)
     return skin_is_old(b, g) && msap_skin_is_far_wider(b, g);
 }
 
-/* -------------------------- rebuild.c, jump.c, track.c, touch.c, grid_check.c */
+/* -------------- rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
+int msap_compare_is_worth_it(const struct grid *g, const struct pair_table *pairs);
+int msap_compare(struct grid *g, struct job *job);
+const char *msap_known_broken(const struct grid *g, const struct pair_table *pairs);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
 int msap_grid_touch(const struct grid *g, struct job *job);
 void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed);

@@ -24,14 +24,11 @@
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
 
-/* With a slot, in a row: its box starts there on the first or the second axis across. */
-#define STARTS_1 0x80000000u
-#define STARTS_2 0x40000000u
-#define STARTS (STARTS_1 | STARTS_2)
-
-/* The rows that a box touches. */
+/* The rows that a box touches: from which one, as wrapped, and, of a box that is not wide, how
+ * many more on each axis across. */
 struct row_range {
-    int32_t low[2], high[2];
+    uint16_t y, z;
+    uint8_t more_y, more_z;
 };
 
 /* One call at work. */
@@ -44,6 +41,7 @@ struct jump {
     size_t n, n_wide;
     uint32_t *end;      /* [rows] behind the last box of each row */
     struct row_set set; /* the boxes, row after row */
+    int is_comparing;   /* the pairs found are kept instead of settled */
 };
 
 /* ------------------------------------------------------------------ layout */
@@ -83,39 +81,56 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
 
 /* --------------------------------------------------------------- steps 1, 2 */
 
-/* The numbers of rows are powers of two. */
-static inline size_t row_at(const struct rows *r, int32_t y, int32_t z)
+/* A row by where it is across; the numbers of rows are powers of two. */
+static inline size_t row_at(const struct rows *r, uint32_t y, uint32_t z)
 {
-    return (size_t)((uint32_t)z & (r->count[1] - 1)) << r->shift | ((uint32_t)y & (r->count[0] - 1));
+    return (size_t)(z & (r->count[1] - 1)) << r->shift | (y & (r->count[0] - 1));
 }
 
-/* The rows from unit `low` to unit `high` across: all around, starting below every
- * other, if they are as many as there are. Returns how many they are. */
-static inline uint64_t range_across(struct row_range *range, uint32_t k, int32_t low, int32_t high, uint32_t count)
+/* The first of the rows from unit `low` on, *more of them besides: row 0 if those are all, all
+ * around. */
+static inline uint16_t first_row(int32_t low, uint32_t *more, uint32_t count)
 {
-    uint32_t more = (uint32_t)high - (uint32_t)low;
-    int is_all = more >= count;
-    range->low[k] = is_all ? -CELL_LIMIT : low;
-    range->high[k] = is_all ? (int32_t)count - 1 - CELL_LIMIT : high;
-    return is_all ? count : (uint64_t)more + 1;
+    if (*more < count) return (uint16_t)((uint32_t)low & (count - 1));
+    *more = count - 1;
+    return 0;
 }
 
 /* The rows that a box touches; returns how many. */
 static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
 {
     int32_t low[4], high[4];
-    uint32_t y = r->axis[1], z = r->axis[2];
     units_of(r->scale, b->min, low);
     units_of(r->scale, b->max, high);
-    return range_across(range, 0, low[y], high[y], r->count[0]) *
-           range_across(range, 1, low[z], high[z], r->count[1]);
+    int32_t y = low[r->axis[1]], z = low[r->axis[2]];
+    uint32_t more_y = (uint32_t)high[r->axis[1]] - (uint32_t)y, more_z = (uint32_t)high[r->axis[2]] - (uint32_t)z;
+    range->y = first_row(y, &more_y, r->count[0]);
+    range->z = first_row(z, &more_z, r->count[1]);
+    range->more_y = (uint8_t)more_y;
+    range->more_z = (uint8_t)more_z;
+    return (uint64_t)(more_y + 1) * (more_z + 1);
+}
+
+/* Counts a box in its rows: where it touches two on each axis at the most, without a question. */
+static inline void count_in_rows(const struct rows *r, const struct row_range *range, uint32_t *end)
+{
+    uint32_t y = range->y, z = range->z, more_y = range->more_y, more_z = range->more_z;
+    if ((more_y | more_z) <= 1) {
+        end[row_at(r, y, z)]++;
+        end[row_at(r, y + 1, z)] += more_y;
+        end[row_at(r, y, z + 1)] += more_z;
+        end[row_at(r, y + 1, z + 1)] += more_y & more_z;
+        return;
+    }
+    for (uint32_t j = 0; j <= more_z; j++)
+        for (uint32_t i = 0; i <= more_y; i++) end[row_at(r, y + i, z + j)]++;
 }
 
 /* Finds the rows of each box, counts the boxes of each row into `end`, puts the wide boxes
  * aside, and completes the bounds before. Returns the number of entries in all rows. */
 static size_t count_rows(struct jump *j)
 {
-    const struct rows *r = &j->grid->rows;
+    const struct rows rows_now = j->grid->rows, *r = &rows_now;
     const struct box_table *t = j->job->boxes;
     uint32_t sweep_axis = r->axis[0];
     size_t entries = 0;
@@ -132,8 +147,7 @@ static size_t count_rows(struct jump *j)
         }
         j->order[j->n++] = key_make(b->now.min[sweep_axis], 0, slot);
         entries += rows;
-        for (int32_t z = range->low[1]; z <= range->high[1]; z++)
-            for (int32_t y = range->low[0]; y <= range->high[0]; y++) j->end[row_at(r, y, z)]++;
+        count_in_rows(r, range, j->end);
     }
     return entries;
 }
@@ -151,30 +165,40 @@ static void start_rows(struct jump *j, size_t rows)
 
 static void fill_rows(struct jump *j)
 {
-    const struct rows *r = &j->grid->rows;
+    enum { AHEAD = 8 };
+    const struct rows rows_now = j->grid->rows, *r = &rows_now;
     const struct box *boxes = j->job->boxes->at;
     const uint32_t axis[3] = {r->axis[0], r->axis[1], r->axis[2]};
     struct row_set set = j->set;
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
         const struct row_range *range = &j->range[slot];
-        for (int32_t z = range->low[1]; z <= range->high[1]; z++)
-            for (int32_t y = range->low[0]; y <= range->high[0]; y++) {
-                uint32_t starts = (y == range->low[0] ? STARTS_1 : 0) | (z == range->low[1] ? STARTS_2 : 0);
-                row_set_put(&set, j->end[row_at(r, y, z)]++, &boxes[slot].now, axis, slot | starts);
+        if (i + AHEAD < j->n) {
+            prefetch(&boxes[key_box(j->order[i + AHEAD])]);
+            prefetch(&j->range[key_box(j->order[i + AHEAD])]);
+        }
+        uint32_t id = slot | ((boxes[slot].flags & BOX_STATIC) ^ BOX_STATIC) * (ROW_MOVES / BOX_STATIC);
+        for (uint32_t z = 0; z <= range->more_z; z++)
+            for (uint32_t y = 0; y <= range->more_y; y++) {
+                uint32_t starts = (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
+                uint32_t at = j->end[row_at(r, range->y + y, range->z + z)]++;
+                row_set_put(&set, at, &boxes[slot].now, axis, id | starts);
             }
     }
 }
 
 /* --------------------------------------------------------------- steps 3, 4 */
 
-/* Settles the pairs that were found in a row and are taken there. */
-static void settle_row_pairs(struct settler *s, const struct pair_buffer *found)
+static void settle_taken(struct settler *s, const struct pair_buffer *taken)
 {
-    for (size_t i = 0; i < found->n; i++) {
-        uint32_t a = found->a[i], b = found->b[i];
-        if (((a | b) & STARTS) == STARTS) settle_found(s, a & ~STARTS, b & ~STARTS);
-    }
+    s->touched += taken->n;
+    for (size_t i = 0; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
+}
+
+static void keep_taken(struct worker *w, const struct pair_buffer *taken)
+{
+    if (!msap_worker_has_room(w, taken->n, 0)) return;
+    for (size_t i = 0; i < taken->n; i++) w->pairs.at[w->pairs.n++] = pair_key(taken->a[i], taken->b[i]);
 }
 
 /* Sweeps rows first ... last - 1. */
@@ -186,9 +210,17 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
         uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
         for (struct row_sweep at = {start, start + 1}; at.i < end;) {
             j->grid->sweep_row(&j->set, &at, end, &found);
-            settle_row_pairs(&w->settler, &found);
+            if (j->is_comparing) keep_taken(w, &found);
+            else settle_taken(&w->settler, &found);
         }
     }
+}
+
+static void test_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
+{
+    const struct box *p = &j->job->boxes->at[a], *q = &j->job->boxes->at[b];
+    if (!j->is_comparing) settle(&w->settler, a, b);
+    else if (overlap(&p->now, &q->now) && !(p->flags & q->flags & BOX_STATIC)) msap_worker_put(w, pair_key(a, b));
 }
 
 /* Tests wide boxes first ... last - 1 against all. */
@@ -196,8 +228,8 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 {
     const struct jump *j = context;
     for (size_t i = first; i < last; i++) {
-        for (size_t other = 0; other < i; other++) settle(&w->settler, j->wide[i], j->wide[other]);
-        for (size_t other = 0; other < j->n; other++) settle(&w->settler, j->wide[i], key_box(j->order[other]));
+        for (size_t other = 0; other < i; other++) test_pair(j, w, j->wide[i], j->wide[other]);
+        for (size_t other = 0; other < j->n; other++) test_pair(j, w, j->wide[i], key_box(j->order[other]));
     }
 }
 
@@ -217,14 +249,14 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
-/* Touches all pairs that overlap and all that did. Returns 0 without memory, and
+/* Finds the pairs that overlap, and the events. Returns 0 without memory, and
  * UNSUITED, with nothing done, where there are many wide boxes. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
     enum { COMMITS = 16 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
-    if (job->boxes->used > STARTS_2) return UNSUITED; /* a slot has no bits to spare */
+    if (job->boxes->used > ROW_MOVES) return UNSUITED; /* a slot has no bits to spare */
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;
@@ -240,9 +272,12 @@ int msap_grid_jump(struct grid *g, struct job *job)
     size_t rows = (size_t)r->count[0] * r->count[1];
     start_rows(&j, rows);
     fill_rows(&j);
+    j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
+    job->crew->worker[0].pairs.n = 0;
     if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, rows, entries * WEIGHT_ROW_BOX / rows + 1) ||
         !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))
         return 0;
+    if (j.is_comparing) return msap_compare(g, job);
     msap_touch_known_pairs(job);
     return 1;
 }

@@ -25,23 +25,18 @@ static size_t home(const struct pair_table *t, uint64_t key)
     return (size_t)(key >> t->shift);
 }
 
-static uint64_t key_at(const struct pair_table *t, uint32_t index)
-{
-    return (uint64_t)slot_of(t->at[index].a) << 32 | slot_of(t->at[index].b);
-}
-
 /* The entry of a key's pair, or the NONE at the end of its chain. */
 static uint32_t *entry_of_key(const struct pair_table *t, uint64_t key)
 {
     uint32_t *entry = &t->first[home(t, key)];
-    while (*entry != NONE && key_at(t, *entry) != key) entry = &t->next[*entry];
+    while (*entry != NONE && pair_key_at(t, *entry) != key) entry = &t->next[*entry];
     return entry;
 }
 
 /* The entry of an active pair. */
 static uint32_t *entry_of(const struct pair_table *t, uint32_t index)
 {
-    uint32_t *entry = &t->first[home(t, key_at(t, index))];
+    uint32_t *entry = &t->first[home(t, pair_key_at(t, index))];
     while (*entry != index) entry = &t->next[*entry];
     return entry;
 }
@@ -63,7 +58,7 @@ static void chain(struct pair_table *t, uint64_t key, uint32_t index)
 static void fill_table(struct pair_table *t)
 {
     for (size_t i = 0; i < t->homes; i++) t->first[i] = NONE;
-    for (uint32_t i = 0; i < t->active; i++) chain(t, key_at(t, i), i);
+    for (uint32_t i = 0; i < t->active; i++) chain(t, pair_key_at(t, i), i);
 }
 
 static size_t homes_for(size_t pairs)

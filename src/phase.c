@@ -187,7 +187,7 @@ int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *cont
 
 /* Whether the worker's buffer has room for n more pairs and some slack; if not they are
  * counted. A buffer that lacked memory once is not asked for it again. */
-static int has_room(struct worker *w, size_t n, size_t slack)
+int msap_worker_has_room(struct worker *w, size_t n, size_t slack)
 {
     size_t need = w->pairs.n + n + slack;
     if (need <= w->pairs.room) return 1;
@@ -200,14 +200,14 @@ static int has_room(struct worker *w, size_t n, size_t slack)
 /* Appends a pair to the worker's buffer. */
 void msap_worker_put(struct worker *w, uint64_t key)
 {
-    if (has_room(w, 1, 0)) w->pairs.at[w->pairs.n++] = key;
+    if (msap_worker_has_room(w, 1, 0)) w->pairs.at[w->pairs.n++] = key;
 }
 
 /* Appends the pairs of a slot with the first n that a sweep has found: four at a time,
  * whether or not there are as many. */
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
 {
-    if (!has_room(w, n, 4)) return;
+    if (!msap_worker_has_room(w, n, 4)) return;
     uint64_t *pair = w->pairs.at + w->pairs.n;
     for (size_t i = 0; i < n; i += 4) pairs_of_four(pair + i, self, w->found + i);
     w->pairs.n += n;

@@ -5,7 +5,8 @@
  *
  * Each function gives the slots, among rows first ... last - 1, whose bounds overlap
  * those asked for, in the order of the rows; all give the same. Of a block of eight,
- * what lies outside those rows is read and left out. */
+ * what lies outside those rows is read and left out. So it is with the sweeps over the
+ * rows of jump.c below. */
 #include "internal.h"
 
 /* The columns of a block of rows from `block` on that are among first ... last - 1. */
@@ -41,6 +42,8 @@ static inline four four_at(const int32_t *at) { return _mm_loadu_si128((const __
 static inline four four_of(int32_t value) { return _mm_set1_epi32(value); }
 static inline four_mask above(four a, four b) { return _mm_cmpgt_epi32(a, b); }
 static inline four_mask either(four_mask a, four_mask b) { return _mm_or_si128(a, b); }
+static inline four both(four a, four b) { return _mm_and_si128(a, b); }
+static inline four_mask same(four a, four b) { return _mm_cmpeq_epi32(a, b); }
 static inline uint32_t bits_of(four_mask m) { return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(m)); }
 #elif defined(__aarch64__) && defined(__GNUC__)
 #include <arm_neon.h>
@@ -52,6 +55,8 @@ static inline four four_at(const int32_t *at) { return vld1q_s32(at); }
 static inline four four_of(int32_t value) { return vdupq_n_s32(value); }
 static inline four_mask above(four a, four b) { return vcgtq_s32(a, b); }
 static inline four_mask either(four_mask a, four_mask b) { return vorrq_u32(a, b); }
+static inline four both(four a, four b) { return vandq_s32(a, b); }
+static inline four_mask same(four a, four b) { return vceqq_s32(a, b); }
 static inline uint32_t bits_of(four_mask m)
 {
     static const uint32_t bit[4] = {1, 2, 4, 8};
@@ -88,9 +93,10 @@ static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, c
 #if defined(HAS_AVX2)
 #define LOAD256(array) _mm256_loadu_si256((const __m256i *)(const void *)(array))
 
-/* Writes those of four ids whose bits are set, and behind them what means nothing: four
- * in all, without a branch. Returns how many they are. */
-__attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, const uint32_t *id, uint32_t found)
+/* Writes those of four ids whose bits are set, without their marks, and behind them what means
+ * nothing: four in all, without a branch. Returns how many they are. */
+__attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, const uint32_t *id, uint32_t found,
+                                                               uint32_t marks)
 {
     static const int32_t order[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
                                          {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
@@ -98,7 +104,7 @@ __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, co
     __m128 four_ids = _mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)id));
     __m128i packed = _mm_castps_si128(
         _mm_permutevar_ps(four_ids, _mm_loadu_si128((const __m128i *)(const void *)order[found])));
-    _mm_storeu_si128((__m128i *)(void *)out, packed);
+    _mm_storeu_si128((__m128i *)(void *)out, _mm_andnot_si128(_mm_set1_epi32((int32_t)marks), packed));
     return (size_t)__builtin_popcount(found);
 }
 
@@ -119,8 +125,8 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
         const struct cell_block *at = &c->block[row / 8];
         __m256i apart = _mm256_or_si256(_mm256_or_si256(APART256(at, 0), APART256(at, 1)), APART256(at, 2));
         uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & columns_in(row, first, last);
-        n += put_found(out + n, at->id, found & 15);
-        n += put_found(out + n, at->id + 4, found >> 4);
+        n += put_found(out + n, at->id, found & 15, 0);
+        n += put_found(out + n, at->id + 4, found >> 4, 0);
     }
     return n;
 }
@@ -136,10 +142,11 @@ static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, ui
         int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
                 max2 = s->max[2][i];
         for (; j < end && s->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
-            out->a[out->n] = s->id[i];
-            out->b[out->n] = s->id[j];
-            out->n +=
-                !((s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]));
+            int apart =
+                (s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]);
+            out->a[out->n] = s->id[i] & ~ROW_MARKS;
+            out->b[out->n] = s->id[j] & ~ROW_MARKS;
+            out->n += !apart & (((s->id[i] | s->id[j]) & ROW_MARKS) == ROW_MARKS);
         }
         if (out->n == MOST_BUFFERED) break;
     }
@@ -154,6 +161,7 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint3
     size_t n = 0;
     for (; i < end; i++, j = i + 1) {
         uint32_t found, is_past = 0;
+        four lacks = four_of((int32_t)(~s->id[i] & ROW_MARKS));
         four stop = four_of(s->max[0][i]);
         four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
         four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
@@ -161,12 +169,13 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint3
             four_mask past = above(four_at(s->min[0] + j), stop);
             four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
             four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
-            found = ~bits_of(either(past, either(y, z))) & 15;
+            four id = four_at((const int32_t *)(const void *)(s->id + j));
+            found = bits_of(same(both(id, lacks), lacks)) & ~bits_of(either(past, either(y, z)));
             is_past = bits_of(past);
             if (end - j < 4) found &= (1u << (end - j)) - 1;
             for (; found; found &= found - 1) {
-                out->a[n] = s->id[i];
-                out->b[n++] = s->id[j + (uint32_t)__builtin_ctz(found)];
+                out->a[n] = s->id[i] & ~ROW_MARKS;
+                out->b[n++] = s->id[j + (uint32_t)__builtin_ctz(found)] & ~ROW_MARKS;
             }
         }
         if (j < end && !is_past) break;
@@ -185,7 +194,8 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
     size_t n = 0;
     for (; i < end; i++, j = i + 1) {
         uint32_t is_past = 0;
-        __m128i self = _mm_set1_epi32((int32_t)s->id[i]);
+        __m128i self = _mm_set1_epi32((int32_t)(s->id[i] & ~ROW_MARKS));
+        __m256i lacks = _mm256_set1_epi32((int32_t)(~s->id[i] & ROW_MARKS));
         __m256i stop = _mm256_set1_epi32(s->max[0][i]);
         __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
         __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
@@ -196,12 +206,13 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
             __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2] + j), max2),
                                              _mm256_cmpgt_epi32(min2, LOAD256(s->max[2] + j)));
             __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2));
-            uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & 255;
+            __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(LOAD256(s->id + j), lacks), lacks);
+            uint32_t found = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(apart, has)));
             is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
             if (end - j < 8) found &= (1u << (end - j)) - 1;
             for (uint32_t half = 0; half < 8; half += 4) {
                 _mm_storeu_si128((__m128i *)(void *)(out->a + n), self);
-                n += put_found(out->b + n, s->id + j + half, found >> half & 15);
+                n += put_found(out->b + n, s->id + j + half, found >> half & 15, ROW_MARKS);
             }
         }
         if (j < end && !is_past) break;

@@ -60,7 +60,8 @@ static void heap_sort(uint64_t *key, size_t n)
     }
 }
 
-/* How the keys differ: in so many bits at the low ends of their halves, and in none above. */
+/* How the keys differ: in so many bits at the low ends of their halves, and in none above; 0
+ * and 0 if they are in order. */
 struct difference {
     unsigned low, high;
 };
@@ -75,7 +76,12 @@ static unsigned bits_in(uint32_t value)
 static struct difference difference_of(const uint64_t *key, size_t n)
 {
     uint64_t differ = 0;
-    for (size_t i = 1; i < n; i++) differ |= key[i] ^ key[0];
+    int is_in_order = 1;
+    for (size_t i = 1; i < n; i++) {
+        differ |= key[i] ^ key[0];
+        is_in_order &= key[i - 1] <= key[i];
+    }
+    if (is_in_order) differ = 0;
     struct difference d = {bits_in((uint32_t)differ), bits_in((uint32_t)(differ >> 32))};
     return d;
 }

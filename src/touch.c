@@ -119,9 +119,11 @@ static void note_events(struct grid *g, const struct keys *events, int is_pair)
     }
 }
 
-/* The events of a commit that succeeded: lists are to know the pairs. */
+/* The events of a commit that succeeded: lists are to know the pairs, and a list of all that
+ * is not of this commit does not know them any more. */
 void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed)
 {
+    if (g->will_know_pairs || fresh->n + doomed->n > 0) g->knows_pairs = g->will_know_pairs;
     if (!g->is_tracking) return;
     note_events(g, fresh, 1);
     note_events(g, doomed, 0);

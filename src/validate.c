@@ -78,6 +78,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
     if (!broken && is_grid(&world->config) && !world->stale && world->grid.is_tracking)
         broken = msap_grid_broken(&world->grid, &world->boxes, &world->pairs);
     if (!broken) broken = msap_pairs_broken(&world->pairs);
+    if (!broken) broken = msap_known_broken(&world->grid, &world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
     if (what) *what = broken;
     return broken ? MSAP_ERROR_CORRUPT : MSAP_OK;

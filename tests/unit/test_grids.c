@@ -453,6 +453,56 @@ START_TEST(many_boxes_leave_together)
 }
 END_TEST
 
+/* ------------------------------------------------------ pairs that are others each time */
+
+/* All boxes are somewhere else in most commits, ever closer together, but for one without any
+ * change and one in which a single box moves; some are static, some reach through all along one axis,
+ * and some come and go. The n-th allocation fails, and all after it until a call does; 0: none.
+ * Returns whether one did. */
+static int jumps_with_failure(int row, int boxes, size_t n)
+{
+    enum { COMMITS = 9, QUIET = 4, SINGLE = 6 };
+    msap_config config = config_of(3, row);
+    float side = 0.8f * sqrtf((float)boxes);
+    session s;
+    int i, frame, failed;
+    right(session_open(&s, &config, 21, SCENE_SPREAD));
+    s.memory.fail_from = n ? s.memory.calls + n : 0;
+    for (frame = 0; frame < COMMITS; frame++) {
+        for (i = 0; i < (frame == QUIET ? 0 : frame == SINGLE ? 1 : boxes); i++) {
+            box b = in_square(&s.random, side * (float)(16 - frame) / 16, 1.5f);
+            b.max[i % 2] += i % 200 < 2 ? 2 * side : 0;
+            b.max[2] += (float)random_below(&s.random, 3);
+            if (frame == 0 || (i + frame) % 40 == 0) {
+                if (frame > 0)
+                    right(session_remove(&s, handles[i]));
+                right(session_add(&s, &b, i % 7 == 0 ? MSAP_STATIC : 0, &handles[i]));
+            } else
+                right(session_update(&s, handles[i], &b));
+        }
+        right(session_commit(&s));
+        right(session_compare(&s));
+    }
+    failed = s.memory.failures > 0;
+    right(session_close(&s));
+    return failed;
+}
+
+START_TEST(pairs_that_are_others_each_time)
+{
+    ck_assert(!jumps_with_failure(_i, setups[_i].strategy == MSAP_STRATEGY_AUTO ? 2500 : 250, 0));
+}
+END_TEST
+
+START_TEST(pairs_that_are_others_each_time_and_failures)
+{
+    size_t n = 1, step = _i == DEFAULT ? 1 : 15;
+    while (jumps_with_failure(_i, 100, n))
+        n += step;
+    ck_assert_uint_gt(n, 5);
+}
+END_TEST
+
 int main(void)
 {
     static const int strategies[] = {MSAP_STRATEGY_AUTO, MSAP_STRATEGY_SWEEP};
@@ -462,6 +512,8 @@ int main(void)
     tcase_add_loop_test(tests, borders_between_cells_are_not_seen, 0, SETUPS);
     tcase_add_loop_test(tests, wrapped_cells_are_not_one_place, 0, SETUPS);
     tcase_add_loop_test(tests, many_boxes_leave_together, 0, SETUPS);
+    tcase_add_loop_test(tests, pairs_that_are_others_each_time, 0, SETUPS);
+    tcase_add_loop_test(tests, pairs_that_are_others_each_time_and_failures, 0, SETUPS);
     tcase_add_test(tests, cells_are_as_wide_as_asked);
     tcase_add_test(tests, a_fixed_grid_has_the_cells_that_were_asked_for);
     tcase_add_test(tests, a_grid_that_is_too_large_for_the_memory);

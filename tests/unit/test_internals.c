@@ -199,6 +199,16 @@ BREAK(list_not_in_order, SET(NEAR(LOW).n_above, NEAR(LOW).n_above - 1))
 BREAK(not_mutual, SET(NEAR(HIGH).n, NEAR(HIGH).n - 1))
 BREAK(pair_no_neighbours, SET(PAIRS.active, PAIRS.active + 1))
 
+/* A list of known pairs as after a commit that compared, of so many of two keys. */
+static uint64_t known[2];
+#define KNOWS(length, first, second) \
+    known[0] = (first), known[1] = (second), SET(w->grid.known.at, known), SET(w->grid.known.n, length), \
+        SET(w->grid.knows_pairs, 1)
+#define PAIR_AT(i) pair_key_at(&PAIRS, i)
+BREAK(known_too_few, KNOWS(0, 0, 0))
+BREAK(known_is_none, KNOWS(1, pair_key(FAR, FRESH), 0))
+BREAK(known_twice, KNOWS(2, PAIR_AT(0), PAIR_AT(0)))
+
 /* ------------------------------------------------------------------- the table */
 
 static const struct {
@@ -270,6 +280,9 @@ static const struct {
     {DEFAULT, list_not_in_order, "a neighbour list is not in order"},
     {DEFAULT, not_mutual, "a box is a neighbour, but not the other way round"},
     {DEFAULT, pair_no_neighbours, "a pair are no neighbours"},
+    {DEFAULT, known_too_few, "the list of known pairs is not of all"},
+    {DEFAULT, known_is_none, "the list of known pairs names none or is not in order"},
+    {DEFAULT, known_twice, "the list of known pairs names none or is not in order"},
 };
 
 /* What is not put back by the log, since it was done by calls, is lost with the world. */
@@ -541,7 +554,7 @@ START_TEST(any_allocation_of_a_phase_may_fail)
 }
 END_TEST
 
-/* In a row, an entry has two bits besides its slot. */
+/* In a row, an entry has three bits besides its slot. */
 START_TEST(slots_with_too_many_bits_do_not_go_into_rows)
 {
     msap_config config = config_of(3, DEFAULT);
@@ -549,7 +562,7 @@ START_TEST(slots_with_too_many_bits_do_not_go_into_rows)
     struct job job = {0};
     msap_world *world;
     ok(msap_create(&config, &world));
-    boxes.used = ((size_t)1 << 30) + 1;
+    boxes.used = ((size_t)1 << 29) + 1;
     job.boxes = &boxes;
     ck_assert_int_eq(msap_grid_jump(&world->grid, &job), UNSUITED);
     ok(msap_destroy(world));
