@@ -709,6 +709,7 @@ struct grid {
     struct keys known;   /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
+    int lists_are_anew;  /* within a commit: lists were made anew, and tell what pairs are now */
 };
 
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);

@@ -30,8 +30,15 @@ struct span {
 /* The boxes of a cell, moving and static: how many, then where in the list the next one is
  * put, in the end where their part of it ends; that of the moving ones is the first. */
 struct tally {
-    uint32_t moving, still;
+    uint32_t of[2]; /* by is_static */
 };
+
+/* While a cell is swept, its rows are named by their numbers instead of slots and, with them,
+ * marked on each axis on which the box comes into no cell before this one. */
+#define FIRST_X 0x80000000u
+#define FIRST_Y 0x40000000u
+#define FIRST_Z 0x20000000u
+#define FIRST (FIRST_X | FIRST_Y | FIRST_Z)
 
 struct rebuild {
     struct grid *grid;
@@ -40,6 +47,7 @@ struct rebuild {
     struct span *span;   /* [slots] */
     struct tally *tally; /* [cells] */
     uint32_t *list;      /* slots, cell after cell */
+    uint32_t *list_end;
 };
 
 /* ------------------------------------------------------------------ step 1 */
@@ -91,12 +99,34 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
 
 /* ------------------------------------------------------------------ step 2 */
 
+/* From a cell to the next one on an axis, which are so many apart, around the end. */
+static inline uint32_t step_from(uint32_t at, uint32_t count, uint32_t apart)
+{
+    return at + 1 < count ? apart : apart - count * apart;
+}
+
+/* The same as cells_of for a span of two cells on each axis at the most, without a question: how
+ * many they are follows no pattern. */
+static inline uint32_t cells_of_few(const struct span *s, uint32_t first, const uint32_t count[3],
+                                    uint32_t cell[MOST_CELLS])
+{
+    uint32_t x = step_from(s->low[0], count[0], 1), y = step_from(s->low[1], count[1], count[0]),
+             z = step_from(s->low[2], count[2], count[0] * count[1]), n = 1u << s->more[0];
+    cell[0] = first + (s->low[2] * count[1] + s->low[1]) * count[0] + s->low[0];
+    cell[1] = cell[0] + x;
+    for (int i = 0; i < 2; i++) cell[n + i] = cell[i] + y;
+    n <<= s->more[1];
+    for (int i = 0; i < 4; i++) cell[n + i] = cell[i] + z;
+    return n << s->more[2];
+}
+
 /* Writes the numbers, among all, of the cells of a span; returns how many they are. */
 static inline uint32_t cells_of(const struct layout *l, const struct span *s, uint32_t cell[MOST_CELLS])
 {
     const struct level *level = &l->level[s->level];
     const uint32_t *count = level->count, first = (uint32_t)(level->cell - l->cell);
     uint32_t n = 0;
+    if ((s->more[0] | s->more[1] | s->more[2]) <= 1) return cells_of_few(s, first, count, cell);
     for (uint32_t k = 0, z = s->low[2]; k <= s->more[2]; k++, z = z + 1 < count[2] ? z + 1 : 0)
         for (uint32_t j = 0, y = s->low[1]; j <= s->more[1]; j++, y = y + 1 < count[1] ? y + 1 : 0)
             for (uint32_t i = 0, x = s->low[0]; i <= s->more[0]; i++, x = x + 1 < count[0] ? x + 1 : 0)
@@ -116,28 +146,31 @@ static void count(const struct rebuild *r)
         l->level[s->level].boxes++;
         l->boxes++;
         for (uint32_t n = cells_of(l, s, cell); n-- > 0;)
-            ++*(s->is_static ? &r->tally[cell[n]].still : &r->tally[cell[n]].moving);
+            r->tally[cell[n]].of[s->is_static]++;
     }
 }
 
 /* Turns the counts into cells with room and into places in the list, of which *n becomes
- * the length. Returns 0 without memory, and if the list would be too long for such places. */
+ * the length. Returns 0 without memory, and if the list would be too long for such places or
+ * a cell for marks. */
 static int make_cells(const struct rebuild *r, size_t *n)
 {
     size_t end = 0;
+    uint32_t most = 0;
     for (size_t i = 0; i < r->layout->n_cells; i++) {
         struct cell *c = &r->layout->cell[i];
         struct tally *t = &r->tally[i];
-        uint32_t moving = t->moving, all = moving + t->still;
-        t->moving = (uint32_t)end;
-        t->still = (uint32_t)end + moving;
+        uint32_t moving = t->of[0], all = moving + t->of[1];
+        t->of[0] = (uint32_t)end;
+        t->of[1] = (uint32_t)end + moving;
         end += all;
+        most = all > most ? all : most;
         if (all > 0 && !msap_cell_make_room(c, &r->grid->pool, r->job->memory, all)) return 0;
         c->n = all;
         c->n_moving = moving;
     }
     *n = end;
-    return end <= UINT32_MAX;
+    return (end <= UINT32_MAX) & (most <= ~FIRST);
 }
 
 /* Puts each box into the list once for each of its cells. */
@@ -147,10 +180,8 @@ static void list(const struct rebuild *r)
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct span *s = &r->span[slot];
         if (s->level == NO_LEVEL) continue;
-        for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;) {
-            struct tally *t = &r->tally[cell[n]];
-            r->list[s->is_static ? t->still++ : t->moving++] = slot;
-        }
+        for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;)
+            r->list[r->tally[cell[n]].of[s->is_static]++] = slot;
     }
 }
 
@@ -167,6 +198,17 @@ static uint64_t settled(const struct rebuild *r, struct settler *settler, uint32
     return (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
 }
 
+/* A cell at work. */
+struct sweeping {
+    const struct rebuild *rebuild;
+    const struct level *level;
+    struct worker *worker;
+    struct cell *cell;
+    const uint32_t *slot; /* of each row */
+    uint32_t at[3];       /* where the cell is in its level */
+    struct pair_buffer found;
+};
+
 /* Whether a cell is the one in which two of its boxes, a and b, are taken, as far as axis k
  * goes: the first, in the order of a's cells, that both touch. `at` is its place on the axis. */
 static inline int is_first_on(uint32_t k, uint32_t at, uint32_t count, const struct span *a, const struct span *b)
@@ -176,39 +218,119 @@ static inline int is_first_on(uint32_t k, uint32_t at, uint32_t count, const str
     return (at == low) | ((at == other) & (ahead > b->more[k]));
 }
 
-/* Of two boxes, the one whose row is the first is the same in all cells: rows are in the
- * order of slots, those of moving boxes first. */
-static void sweep_cell(const struct rebuild *r, struct worker *w, const struct level *l, const struct cell *c)
+/* Whether two boxes may meet at both ends of an axis: two that touch as many cells as a box can
+ * fill it. */
+static int is_narrow(const struct level *l)
 {
-    uint32_t i = (uint32_t)(c - l->cell), x = i % l->count[0], y = i / l->count[0] % l->count[1],
-             z = i / l->count[0] / l->count[1];
-    for (uint32_t row = 0; row < c->n; row++) {
-        uint32_t slot = c->block[row / 8].id[row % 8];
-        prefetch(&r->span[slot]);
-        prefetch(&r->job->boxes->at[slot]);
+    int narrow = 0;
+    for (int k = 0; k < 3; k++) narrow |= l->count[k] > 1 && l->count[k] < 2 * MOST_CELLS;
+    return narrow;
+}
+
+/* Drops those of the taken pairs that are taken in another cell. Of two boxes, the one whose
+ * row is the first is the same in all cells: rows are in the order of slots, those of moving
+ * boxes first. */
+static void drop_twice_taken(struct sweeping *s)
+{
+    struct pair_buffer *f = &s->found;
+    const uint32_t *count = s->level->count;
+    size_t n = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        const struct span *a = &s->rebuild->span[f->a[i]], *b = &s->rebuild->span[f->b[i]];
+        f->a[n] = f->a[i];
+        f->b[n] = f->b[i];
+        n += (size_t)(is_first_on(0, s->at[0], count[0], a, b) & is_first_on(1, s->at[1], count[1], a, b) &
+                      is_first_on(2, s->at[2], count[2], a, b));
     }
-    for (uint32_t row = 0; row < c->n_moving; row++) {
-        struct bounds bounds;
-        uint32_t slot = msap_cell_row(c, row, &bounds);
-        const struct span *a = &r->span[slot];
-        size_t n = r->grid->sweep(c, row + 1, c->n, &bounds, w->found);
-        for (size_t f = 0; f < n; f++) {
-            const struct span *b = &r->span[w->found[f]];
-            if (is_first_on(0, x, l->count[0], a, b) & is_first_on(1, y, l->count[1], a, b) &
-                is_first_on(2, z, l->count[2], a, b))
-                msap_worker_put(w, settled(r, &w->settler, slot, w->found[f]));
-        }
+    f->n = n;
+}
+
+/* Settles the taken pairs and puts them into the worker's buffer. What they are follows no
+ * pattern, so nothing but a change asks for it. */
+static void settle_taken(struct sweeping *s)
+{
+    const struct box_table *t = s->rebuild->job->boxes;
+    struct worker *w = s->worker;
+    struct pair_buffer *f = &s->found;
+    w->settler.touched += f->n;
+    for (size_t i = 0; i < f->n; i++)
+        f->b[i] |= (uint32_t)overlap(&t->at[f->a[i]].now, &t->at[f->b[i]].now) * NEAR_PAIR;
+    if (msap_worker_has_room(w, f->n, 0))
+        for (size_t i = 0; i < f->n; i++) w->pairs.at[w->pairs.n++] = (uint64_t)f->a[i] << 32 | f->b[i];
+    size_t n = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        uint32_t entry = f->b[i];
+        f->a[n] = f->a[i];
+        f->b[n] = near_slot(entry);
+        n += entry >> 31;
+    }
+    for (size_t i = 0; i < n; i++)
+        if (!were_pair(t, f->a[i], f->b[i])) msap_settle_change(&w->settler, pair_key(f->a[i], f->b[i]), 1);
+}
+
+/* Takes those of the pairs found that have each mark on one side or the other. */
+static void take_found(struct sweeping *s)
+{
+    struct pair_buffer *f = &s->found;
+    size_t n = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        uint32_t a = f->a[i], b = f->b[i];
+        f->a[n] = s->slot[a & ~FIRST];
+        f->b[n] = s->slot[b & ~FIRST];
+        n += ((a | b) & FIRST) == FIRST;
+    }
+    f->n = n;
+    if (is_narrow(s->level)) drop_twice_taken(s);
+    settle_taken(s);
+    f->n = 0;
+}
+
+static void mark_rows(const struct sweeping *s)
+{
+    for (uint32_t row = 0; row < s->cell->n; row++) {
+        const struct span *span = &s->rebuild->span[s->slot[row]];
+        uint32_t marks = (span->low[0] == s->at[0] ? FIRST_X : 0) | (span->low[1] == s->at[1] ? FIRST_Y : 0) |
+                         (span->low[2] == s->at[2] ? FIRST_Z : 0);
+        s->cell->block[row / 8].id[row % 8] = row | marks;
     }
 }
 
-/* Fills the rows of cell i; those that follow in its last block name no box, for whole
+/* Names the rows by their slots; those that follow in the last block name no box, for whole
  * blocks are read. */
-static void fill_cell(const struct rebuild *r, size_t i)
+static void name_rows(struct cell *c, const uint32_t *slot)
 {
-    struct cell *c = &r->layout->cell[i];
-    const uint32_t *slot = r->list + r->tally[i].still - c->n;
-    for (uint32_t row = 0; row < c->n; row++) cell_put_row(c, row, &r->grid->boxes->at[slot[row]].fat, slot[row]);
+    for (uint32_t row = 0; row < c->n; row++) c->block[row / 8].id[row % 8] = slot[row];
     for (uint32_t row = c->n; row % 8 != 0; row++) c->block[row / 8].id[row % 8] = NONE;
+}
+
+/* Sweeps a cell whose rows are marked: from each row that is not static over those behind it,
+ * so many at a time as fit into the buffer. */
+static void sweep_cell(struct sweeping *s)
+{
+    struct cell *c = s->cell;
+    for (uint32_t row = 0; row < c->n_moving; row++) {
+        struct bounds bounds;
+        uint32_t id = msap_cell_row(c, row, &bounds);
+        for (uint32_t first = row + 1, last; first < c->n; first = last) {
+            last = c->n - first < MOST_BUFFERED ? c->n : first + MOST_BUFFERED;
+            if (s->found.n + (last - first) > MOST_BUFFERED) take_found(s);
+            size_t n = s->rebuild->grid->sweep(c, first, last, &bounds, s->found.b + s->found.n);
+            for (size_t i = 0; i < n; i += 4) set_four(s->found.a + s->found.n + i, id);
+            s->found.n += n;
+        }
+    }
+    take_found(s);
+}
+
+/* Writes the rows of a cell, all but their names. */
+static void fill_cell(const struct rebuild *r, struct cell *c, const uint32_t *slot)
+{
+    enum { AHEAD = 8 };
+    const struct box *boxes = r->job->boxes->at;
+    for (uint32_t row = 0; row < c->n; row++) {
+        if (slot + row + AHEAD < r->list_end) prefetch(&boxes[slot[row + AHEAD]]);
+        cell_put_row(c, row, &boxes[slot[row]].fat, 0);
+    }
 }
 
 /* Fills and sweeps cells first ... last - 1 of all levels. */
@@ -216,13 +338,22 @@ static void make_rows(void *context, struct worker *w, size_t first, size_t last
 {
     const struct rebuild *r = context;
     const struct layout *l = r->layout;
-    uint32_t level = 0;
+    struct sweeping s = {.rebuild = r, .level = l->level, .worker = w};
     for (size_t i = first; i < last; i++) {
-        struct cell *c = &l->cell[i];
-        while (level < TOP && c >= l->level[level + 1].cell) level++;
+        struct cell *c = s.cell = &l->cell[i];
+        while (s.level < &l->level[TOP] && c >= s.level[1].cell) s.level++;
         if (c->n == 0) continue;
-        fill_cell(r, i);
-        if (c->n > 1 && c->n_moving > 0) sweep_cell(r, w, &l->level[level], c);
+        const uint32_t *count = s.level->count, at = (uint32_t)(c - s.level->cell);
+        s.at[0] = at % count[0];
+        s.at[1] = at / count[0] % count[1];
+        s.at[2] = at / count[0] / count[1];
+        s.slot = r->list + r->tally[i].of[1] - c->n;
+        fill_cell(r, c, s.slot);
+        if (c->n > 1 && c->n_moving > 0) {
+            mark_rows(&s);
+            sweep_cell(&s);
+        }
+        name_rows(c, s.slot);
     }
 }
 
@@ -290,6 +421,7 @@ static int place_arrays(struct rebuild *r, size_t length)
     r->span = (struct span *)(void *)s->at;
     r->tally = (struct tally *)(void *)(s->at + spans);
     r->list = (uint32_t *)(void *)(s->at + kept);
+    r->list_end = r->list + length;
     return 1;
 }
 
@@ -338,6 +470,7 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
     g->is_empty = 0;
     g->is_tracking = make_grid(&r) && find_neighbours(&r);
+    g->lists_are_anew = g->is_tracking;
     if (g->is_tracking) msap_touch_known_pairs(job);
     return g->is_tracking;
 }

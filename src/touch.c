@@ -124,7 +124,7 @@ static void note_events(struct grid *g, const struct keys *events, int is_pair)
 void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed)
 {
     if (g->will_know_pairs || fresh->n + doomed->n > 0) g->knows_pairs = g->will_know_pairs;
-    if (!g->is_tracking) return;
+    if (!g->is_tracking || g->lists_are_anew) return;
     note_events(g, fresh, 1);
     note_events(g, doomed, 0);
 }
