@@ -71,6 +71,11 @@ static inline void set_four(uint32_t *to, uint32_t value)
 {
     _mm_storeu_si128((__m128i *)(void *)to, _mm_set1_epi32((int32_t)value));
 }
+static inline void count_four(uint32_t *to, uint32_t from)
+{
+    __m128i steps = _mm_set_epi32(3, 2, 1, 0);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_add_epi32(_mm_set1_epi32((int32_t)from), steps));
+}
 static inline void copy_four(uint32_t *to, const uint32_t *from)
 {
     _mm_storeu_si128((__m128i *)(void *)to, _mm_loadu_si128((const __m128i *)(const void *)from));
@@ -156,6 +161,10 @@ static inline int encode_within(lanes min, lanes max, const struct bounds *outer
 #else
 
 static inline void set_four(uint32_t *to, uint32_t value) { to[0] = to[1] = to[2] = to[3] = value; }
+static inline void count_four(uint32_t *to, uint32_t from)
+{
+    for (uint32_t i = 0; i < 4; i++) to[i] = from + i;
+}
 static inline void copy_four(uint32_t *to, const uint32_t *from) { memcpy(to, from, 4 * sizeof *to); }
 static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *other)
 {

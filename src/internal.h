@@ -284,6 +284,8 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
+    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, of pairs that changed, each once;
+                              as many fit as there are pairs */
     int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
     int has_all_doomed;    /* 1: the doomed list holds every known pair */
@@ -296,6 +298,7 @@ static inline uint64_t pair_key(uint32_t a, uint32_t b)
 }
 
 void msap_settle_change(struct settler *s, uint64_t key, int is);
+void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index);
 
 /* Whether two boxes that are not both static overlapped at the last commit. */
 static inline int were_pair(const struct box_table *t, uint32_t a, uint32_t b)
@@ -518,7 +521,7 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
 enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
 
 /* In the entry for a neighbour above, besides its slot: exactly if the two boxes are a
- * pair, since the last commit. */
+ * pair, since the last commit. What of this changes in a commit is noted by the settler. */
 #define NEAR_PAIR 0x80000000u
 
 static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
@@ -550,7 +553,7 @@ struct near_lists {
 
 int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair);
 int msap_near_make(struct near_lists *all, struct memory *m, const struct keys *pairs, size_t slots);
-void msap_near_mark(struct near_lists *all, uint64_t pair, int is_pair);
+uint32_t msap_near_find(const struct near_list *l, uint32_t self, uint32_t other);
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
 void msap_near_tidy(struct near_lists *all, int (*is_near)(const void *context, uint32_t a, uint32_t b),
                     const void *context);
@@ -709,7 +712,6 @@ struct grid {
     struct keys known;   /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
-    int lists_are_anew;  /* within a commit: lists were made anew, and tell what pairs are now */
 };
 
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
@@ -781,7 +783,7 @@ int msap_compare(struct grid *g, struct job *job);
 const char *msap_known_broken(const struct grid *g, const struct pair_table *pairs);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
 int msap_grid_touch(const struct grid *g, struct job *job);
-void msap_grid_note_events(struct grid *g, const struct keys *fresh, const struct keys *doomed);
+void msap_grid_committed(struct grid *g, const struct settler *s);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);
 const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes, const struct pair_table *pairs);
 

@@ -105,7 +105,7 @@ static inline uint32_t find_in_four(const uint32_t *entry, uint32_t n, uint32_t 
 
 /* The index of the entry for `other` in the list of `self`, or l->n. Fours are read whole:
  * a list has room for them. */
-static uint32_t find(const struct near_list *l, uint32_t self, uint32_t other)
+uint32_t msap_near_find(const struct near_list *l, uint32_t self, uint32_t other)
 {
     uint32_t end = other > self ? l->n_above : l->n;
     for (uint32_t i = other > self ? 0 : l->n_above & ~3u; i < end; i += 4) {
@@ -113,16 +113,6 @@ static uint32_t find(const struct near_list *l, uint32_t self, uint32_t other)
         if (at < 4) return i + at;
     }
     return l->n;
-}
-
-/* Notes that two boxes, if they are neighbours, have become a pair or have ceased to be
- * one. */
-void msap_near_mark(struct near_lists *all, uint64_t pair, int is_pair)
-{
-    uint32_t low = (uint32_t)(pair >> 32), high = (uint32_t)pair;
-    struct near_list *l = &all->of[low];
-    uint32_t i = find(l, low, high);
-    if (i < l->n) l->at[i] = is_pair ? high | NEAR_PAIR : high;
 }
 
 /* Takes what stands at index i out of the list. */
@@ -160,7 +150,7 @@ void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
         all->first_noted = self + 1;
         return;
     }
-    uint32_t i = find(l, self, other);
+    uint32_t i = msap_near_find(l, self, other);
     if (i < l->n) msap_near_take_out(l, i);
 }
 

@@ -41,17 +41,19 @@ int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots)
     return 1;
 }
 
-/* Gives back all but room for what boxes in so many slots need, and on the doomed list
- * of the calling thread for every pair. */
+/* Gives back all but room for what boxes in so many slots need, and on the lists of the
+ * doomed and of notes of the calling thread for every pair. */
 void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
+        struct keys *kept[2] = {&w->settler.doomed, &w->settler.notes};
         msap_keys_free(&w->settler.fresh, m);
         msap_keys_free(&w->pairs, m);
-        w->settler.doomed.n = 0;
-        msap_memory_shrink(m, &w->settler.doomed.at, &w->settler.doomed.room, i == 0 ? pairs : 0,
-                           sizeof *w->settler.doomed.at);
+        for (int k = 0; k < 2; k++) {
+            kept[k]->n = 0;
+            msap_memory_shrink(m, &kept[k]->at, &kept[k]->room, i == 0 ? pairs : 0, sizeof *kept[k]->at);
+        }
         msap_memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
     }
 }
@@ -62,6 +64,7 @@ void msap_crew_free(struct crew *crew, struct memory *m)
         struct worker *w = &crew->worker[i];
         msap_keys_free(&w->settler.fresh, m);
         msap_keys_free(&w->settler.doomed, m);
+        msap_keys_free(&w->settler.notes, m);
         msap_keys_free(&w->pairs, m);
         msap_memory_free(m, w->found, w->room_found, sizeof *w->found);
     }
@@ -82,7 +85,7 @@ static void run_task(void *pointer)
 
 static void forget(struct worker *w)
 {
-    w->settler.fresh.n = w->settler.doomed.n = w->pairs.n = 0;
+    w->settler.fresh.n = w->settler.doomed.n = w->settler.notes.n = w->pairs.n = 0;
     w->settler.touched = 0;
     w->settler.lost = w->settler.has_all_doomed = 0;
 }
@@ -91,8 +94,8 @@ static void forget(struct worker *w)
  * memory. */
 static int enlarge(struct worker *w, struct memory *m)
 {
-    struct keys *buffers[3] = {&w->settler.fresh, &w->settler.doomed, &w->pairs};
-    for (int i = 0; i < 3; i++) {
+    struct keys *buffers[4] = {&w->settler.fresh, &w->settler.doomed, &w->settler.notes, &w->pairs};
+    for (int i = 0; i < 4; i++) {
         size_t wanted = buffers[i]->n + buffers[i]->n / 4 + 256;
         buffers[i]->n = 0;
         if (!msap_keys_reserve(buffers[i], m, wanted)) return 0;
@@ -114,7 +117,8 @@ static int merge(struct worker *to, const struct worker *from, struct memory *m)
 {
     to->settler.touched += from->settler.touched;
     return append(&to->settler.fresh, &from->settler.fresh, m) &&
-           append(&to->settler.doomed, &from->settler.doomed, m) && append(&to->pairs, &from->pairs, m);
+           append(&to->settler.doomed, &from->settler.doomed, m) &&
+           append(&to->settler.notes, &from->settler.notes, m) && append(&to->pairs, &from->pairs, m);
 }
 
 /* Runs n tasks, the first of them here. */
@@ -175,11 +179,13 @@ static size_t tasks_for(const struct crew *crew, size_t n, size_t weight)
 int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t weight)
 {
     struct worker *own = &crew->worker[0];
-    size_t fresh = own->settler.fresh.n, doomed = own->settler.doomed.n, pairs = own->pairs.n;
+    size_t fresh = own->settler.fresh.n, doomed = own->settler.doomed.n, notes = own->settler.notes.n,
+           pairs = own->pairs.n;
     size_t tasks = tasks_for(crew, n, weight);
     if (tasks > 1 && run_in_tasks(crew, m, run, context, n, tasks)) return 1;
     own->settler.fresh.n = fresh;
     own->settler.doomed.n = doomed;
+    own->settler.notes.n = notes;
     own->pairs.n = pairs;
     run(context, own, 0, n);
     return !own->settler.lost;

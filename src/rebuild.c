@@ -470,7 +470,6 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
     g->is_empty = 0;
     g->is_tracking = make_grid(&r) && find_neighbours(&r);
-    g->lists_are_anew = g->is_tracking;
     if (g->is_tracking) msap_touch_known_pairs(job);
     return g->is_tracking;
 }

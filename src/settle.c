@@ -58,6 +58,20 @@ void msap_settle_change(struct settler *s, uint64_t key, int is)
     else put_into_full(s, list, key, is);
 }
 
+/* Notes the entry of a neighbour list that tells of a pair that changed. On the calling thread
+ * the list lacks memory only if there are fresh pairs, and then this commit fails. */
+void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index)
+{
+    struct keys *list = &s->notes;
+    if (list->n < list->room ||
+        (s->memory && !s->lost && msap_keys_reserve(list, s->memory, 2 * list->room + 64))) {
+        list->at[list->n++] = (uint64_t)slot << 32 | index;
+        return;
+    }
+    s->lost = 1;
+    if (!s->memory) list->n++; /* a worker counts on */
+}
+
 static void touch_known(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct job *job = context;

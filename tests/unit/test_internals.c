@@ -491,7 +491,7 @@ END_TEST
 
 enum { ITEMS = 2000, EARLIER = 5 };
 
-/* Every item comes to a fresh key, a doomed one and a pair. */
+/* Every item comes to a fresh key, a doomed one, a note and a pair. */
 static void find_all(void *context, struct worker *w, size_t first, size_t last)
 {
     const size_t *before = context;
@@ -499,6 +499,7 @@ static void find_all(void *context, struct worker *w, size_t first, size_t last)
     for (i = *before + first; i < *before + last; i++) {
         msap_settle_change(&w->settler, i, 1);
         msap_settle_change(&w->settler, i, 0);
+        msap_settle_note(&w->settler, 0, (uint32_t)i);
         msap_worker_put(w, i);
     }
 }
@@ -535,6 +536,7 @@ static int phase_is_whole(size_t n, int and_more)
     ck_assert((done && !own->settler.has_all_doomed) || t.failures > 0);
     if (done) {
         holds_all(&own->settler.fresh);
+        holds_all(&own->settler.notes);
         holds_all(&own->pairs);
     }
     if (done && !own->settler.has_all_doomed)
