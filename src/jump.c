@@ -4,8 +4,9 @@
  * SPDX-License-Identifier: MIT
  *
  * When most boxes leave their places in every commit, nothing that could be kept
- * between commits would be worth keeping. So nothing is: all boxes are pruned
- * completely (paper I.4c), and the pairs known from before are tested once more.
+ * between commits would be worth keeping. So no cells and lists are: all boxes are pruned
+ * completely (paper I.4c). Then either the pairs found and those known from before are
+ * settled, or, where most pairs are others each time, both are compared (compare.c).
  *
  * 1. All axes but one, the one on which boxes are finest compared with the scene, cut
  *    space into rows along that one: the paper's grid, one SAP a row (II.2). Rows wrap
