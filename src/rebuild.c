@@ -218,8 +218,7 @@ static inline int is_first_on(uint32_t k, uint32_t at, uint32_t count, const str
     return (at == low) | ((at == other) & (ahead > b->more[k]));
 }
 
-/* Whether two boxes may meet at both ends of an axis: two that touch as many cells as a box can
- * fill it. */
+/* Whether two boxes may meet at both ends of an axis, since together they can go around it. */
 static int is_narrow(const struct level *l)
 {
     int narrow = 0;
@@ -328,7 +327,7 @@ static void fill_cell(const struct rebuild *r, struct cell *c, const uint32_t *s
     enum { AHEAD = 8 };
     const struct box *boxes = r->job->boxes->at;
     for (uint32_t row = 0; row < c->n; row++) {
-        if (slot + row + AHEAD < r->list_end) prefetch(&boxes[slot[row + AHEAD]]);
+        if (r->list_end - slot > (ptrdiff_t)row + AHEAD) prefetch(&boxes[slot[row + AHEAD]]);
         cell_put_row(c, row, &boxes[slot[row]].fat, 0);
     }
 }
