@@ -663,15 +663,15 @@ enum { ROW_SLACK = 8 }; /* entries that may be read behind the last */
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
 
-/* Where the sweep of a row stands: entry i is to be tested against those from j on. */
+/* Where the sweep of a row stands: entry i is to be tested against those from j on that are
+ * before `end`, the row's, and then the others before `last`. */
 struct row_sweep {
-    uint32_t i, j;
+    uint32_t i, j, last, end;
 };
 
-/* Goes on with a sweep until its row ends, and then i is `end`, or `out` is full. Gives the slots
- * of the pairs that are taken. */
-typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, uint32_t end,
-                             struct pair_buffer *out);
+/* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
+ * taken. */
+typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
@@ -707,6 +707,11 @@ struct grid {
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
+    int is_jumping;  /* the last commit kept nothing, because that was cheaper */
+    int64_t gain;    /* in tests: what cells and lists have saved since they were made or could be again; or,
+                        while nothing is kept, would have since */
+    uint32_t doubt;  /* how many boxes more than one move for each that is foreseen to, in sixteenths */
+    size_t wide;     /* boxes in no row, when all were pruned last */
     struct rows rows;
     struct row_set row_set;
     struct keys known;   /* if knows_pairs, the keys of all active pairs, sorted */
@@ -753,7 +758,7 @@ enum { HORIZON_MOST = 64 }; /* commits that a skin is made for */
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_first(const struct grid *g, uint32_t slot);
 int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
-float msap_skin_lifetime(const struct box_table *t, uint32_t slot);
+float msap_skin_lifetime(const struct grid *g, uint32_t slot);
 
 /* In commits; after very many it starts again. */
 static inline uint32_t skin_age(const struct box *b, const struct grid *g)
@@ -773,8 +778,10 @@ static inline int skin_is_baggy(const struct box *b, const struct grid *g)
     return skin_is_old(b, g) && msap_skin_is_far_wider(b, g);
 }
 
-/* -------------- rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
+/* ------ choose.c, rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
+enum way { TRACK, REBUILD, JUMP };
+enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);

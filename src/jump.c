@@ -202,15 +202,29 @@ static void keep_taken(struct worker *w, const struct pair_buffer *taken)
     for (size_t i = 0; i < taken->n; i++) w->pairs.at[w->pairs.n++] = pair_key(taken->a[i], taken->b[i]);
 }
 
-/* Sweeps rows first ... last - 1. */
+/* The row of an entry. */
+static size_t row_of(const struct jump *j, size_t entry)
+{
+    const struct rows *r = &j->grid->rows;
+    size_t low = 0, high = (size_t)r->count[0] * r->count[1] - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (j->end[middle] <= entry) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Sweeps from entries first ... last - 1. */
 static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
     struct pair_buffer found;
-    for (size_t row = first; row < last; row++) {
-        uint32_t start = row ? j->end[row - 1] : 0, end = j->end[row];
-        for (struct row_sweep at = {start, start + 1}; at.i < end;) {
-            j->grid->sweep_row(&j->set, &at, end, &found);
+    for (size_t row = row_of(j, first), i = first; i < last; i = j->end[row++]) {
+        uint32_t end = j->end[row];
+        struct row_sweep at = {(uint32_t)i, (uint32_t)i + 1, end < last ? end : (uint32_t)last, end};
+        while (at.i < at.last) {
+            j->grid->sweep_row(&j->set, &at, &found);
             if (j->is_comparing) keep_taken(w, &found);
             else settle_taken(&w->settler, &found);
         }
@@ -250,6 +264,14 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
+/* From now on nothing is kept. */
+static void start_jumping(struct grid *g, struct job *job)
+{
+    msap_grid_empty(g, job->memory);
+    g->is_jumping = 1;
+    g->gain = 0;
+}
+
 /* Finds the pairs that overlap, and the events. Returns 0 without memory, and
  * UNSUITED, with nothing done, where there are many wide boxes. */
 int msap_grid_jump(struct grid *g, struct job *job)
@@ -264,18 +286,18 @@ int msap_grid_jump(struct grid *g, struct job *job)
     }
     if (!place_arrays(&j)) return 0;
     size_t entries = count_rows(&j);
+    g->wide = j.n_wide;
     if (j.n_wide > MOST_WIDE) return UNSUITED;
-    if (g->is_tracking) msap_grid_empty(g, job->memory);
+    if (!g->is_jumping) start_jumping(g, job);
     g->moves = job->boxes->live;
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
-    size_t rows = (size_t)r->count[0] * r->count[1];
-    start_rows(&j, rows);
+    start_rows(&j, (size_t)r->count[0] * r->count[1]);
     fill_rows(&j);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
     job->crew->worker[0].pairs.n = 0;
-    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, rows, entries * WEIGHT_ROW_BOX / rows + 1) ||
+    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, entries, WEIGHT_ROW_BOX) ||
         !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))
         return 0;
     if (j.is_comparing) return msap_compare(g, job);

@@ -399,9 +399,11 @@ static int ask(struct rebuild *r)
     enum { FEW = 64 }; /* cells that a coarse box would have to visit, more or less */
     struct worker *w = &r->job->crew->worker[0];
     size_t coarse = r->layout->boxes - r->layout->level[0].boxes, found = w->pairs.n;
-    phase_fn run = coarse < r->layout->boxes / FEW ? ask_finer : ask_coarser;
+    int are_few = coarse < r->layout->boxes / FEW;
     if (coarse == 0) return 1;
-    if (!msap_phase_run(r->job->crew, r->job->memory, run, r, r->job->boxes->used, WEIGHT_LEVELS)) return 0;
+    if (!msap_phase_run(r->job->crew, r->job->memory, are_few ? ask_finer : ask_coarser, r, r->job->boxes->used,
+                        are_few ? WEIGHT_LEVELS : WEIGHT_QUERY))
+        return 0;
     settle_asked(r, w, found);
     return !w->settler.lost;
 }
@@ -463,7 +465,8 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     struct layout *l = &g->layout[g->current];
     struct rebuild r = {.grid = g, .layout = l, .job = job};
     msap_grid_empty_cells(g, job->memory);
-    g->is_tracking = 0;
+    g->is_tracking = g->is_jumping = 0;
+    g->gain = 0;
     g->moves = t->live;
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;

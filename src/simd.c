@@ -134,11 +134,11 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 /* ------------------------------------------------------------- sweeping rows */
 
-static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, uint32_t end,
-                               struct pair_buffer *out)
+static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
 {
+    const uint32_t last = at->last, end = at->end;
     uint32_t i = at->i, j = at->j;
-    for (out->n = 0; i < end; i++, j = i + 1) {
+    for (out->n = 0; i < last; i++, j = i + 1) {
         int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
                 max2 = s->max[2][i];
         for (; j < end && s->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
@@ -155,11 +155,12 @@ static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, ui
 }
 
 #if defined(HAS_FOUR)
-static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint32_t end, struct pair_buffer *out)
+static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
 {
+    const uint32_t last = at->last, end = at->end;
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (; i < end; i++, j = i + 1) {
+    for (; i < last; i++, j = i + 1) {
         uint32_t found, is_past = 0;
         four lacks = four_of((int32_t)(~s->id[i] & ROW_MARKS));
         four stop = four_of(s->max[0][i]);
@@ -188,11 +189,12 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, uint3
 
 #if defined(HAS_AVX2)
 __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set *s, struct row_sweep *at,
-                                                           uint32_t end, struct pair_buffer *out)
+                                                           struct pair_buffer *out)
 {
+    const uint32_t last = at->last, end = at->end;
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (; i < end; i++, j = i + 1) {
+    for (; i < last; i++, j = i + 1) {
         uint32_t is_past = 0;
         __m128i self = _mm_set1_epi32((int32_t)(s->id[i] & ~ROW_MARKS));
         __m256i lacks = _mm256_set1_epi32((int32_t)(~s->id[i] & ROW_MARKS));

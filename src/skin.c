@@ -190,13 +190,14 @@ static void follow(struct box *b, const struct motion *m, float part)
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain)
 {
     struct box *b = &g->boxes->at[slot];
+    uint32_t age = skin_age(b, g);
+    b->since = (uint16_t)g->commit;
     if (g->config->margin >= 0) {
         b->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
     struct motion m = motion_of(g->boxes, slot);
-    learn(b, skin_age(b, g), vain);
-    b->since = (uint16_t)g->commit;
+    learn(b, age, vain);
     b->fat = b->now;
     follow(b, &m, spread(slot, g->commit));
 }
@@ -213,11 +214,16 @@ int msap_skin_is_far_wider(const struct box *b, const struct grid *g)
     return 1;
 }
 
-/* For how many commits the skin would last that a box got for its motion in this one. */
-float msap_skin_lifetime(const struct box_table *t, uint32_t slot)
+/* For how many commits the skin would last that a box got in this one, if it moved on. */
+float msap_skin_lifetime(const struct grid *g, uint32_t slot)
 {
-    struct motion m = motion_of(t, slot);
-    float horizon = reach(&m, HORIZON_MOST);
+    struct motion m = motion_of(g->boxes, slot);
+    float margin = g->config->margin, horizon;
+    if (margin >= 0) {
+        horizon = m.step * HORIZON_MOST <= margin ? HORIZON_MOST : margin / m.step;
+        return horizon >= 1 ? horizon : 1;
+    }
+    horizon = reach(&m, HORIZON_MOST);
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
 

@@ -23,8 +23,7 @@
  * pair, since a list holds it once (II.3b).
  *
  * Steps 3 and 5 run on all workers. Where too many boxes would have to be put
- * elsewhere, one by one is not the way: if their motion says that new skins will last,
- * all cells and lists are made anew (rebuild.c), else nothing is kept (jump.c). */
+ * elsewhere, one by one is not the way (choose.c). */
 #include "cells.h"
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
@@ -288,32 +287,7 @@ static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, s
     return 1;
 }
 
-/* ---------------------------------------------------------------- choosing */
-
-/* What putting one box elsewhere costs, and taking one out, in boxes pruned when all are
- * (jump.c); to make one anew with all others costs 2 (rebuild.c). From bench/strategies. */
-enum { COST_OF_A_MOVE = 7, COST_OF_LEAVING = 1, COST_OF_REBUILDING = 2 };
-
-/* How many boxes would be misplaced in each commit if all moved on as in this one and
- * had their skins: estimated from some of the changed boxes. Those that come do not
- * count: who knows whether they will move. */
-static double estimate_moves(const struct box_table *t)
-{
-    enum { SAMPLES = 64 };
-    size_t step = t->n_changed / SAMPLES + 1;
-    double moves = 0;
-    for (size_t i = 0; i < t->n_changed; i += step) {
-        const struct box *b = &t->at[t->changed[i]];
-        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
-            moves += 1.0 / (double)msap_skin_lifetime(t, t->changed[i]);
-    }
-    return moves * (double)step; /* each stands for so many */
-}
-
-static int is_jumpy(const struct box_table *t)
-{
-    return estimate_moves(t) * COST_OF_A_MOVE > (double)t->live && t->live > 64;
-}
+/* ---------------------------------------------------------------- the whole */
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
@@ -331,31 +305,27 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     return msap_grid_touch(g, job);
 }
 
-/* For AUTO: whether all must be made anew or pruned, because the grid is not up to date
- * or so many boxes must be put elsewhere that it is cheaper. The first `misplaced` of those
- * that left must be. */
-static int is_upheaval(const struct grid *g, const struct box_table *t, size_t misplaced)
+/* Which way is taken by a strategy, if the first `misplaced` of those that left must be put
+ * elsewhere. */
+static enum way way_by(uint32_t strategy, struct grid *g, const struct job *job, size_t misplaced)
 {
-    size_t cost = 0;
-    if (!g->is_tracking || misplaced <= 64) return !g->is_tracking;
-    for (size_t i = 0; i < misplaced; i++)
-        cost += t->at[t->left[i]].flags & BOX_LIVE ? COST_OF_A_MOVE : COST_OF_LEAVING;
-    return cost > t->live * COST_OF_REBUILDING;
+    if (strategy == MSAP_STRATEGY_AUTO) return msap_choose(g, job, misplaced);
+    return strategy == MSAP_STRATEGY_SWEEP || !g->is_tracking ? REBUILD : TRACK;
 }
 
 static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
 {
     enum { WORTH_ORDERING = 512 };
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
-    int is_auto = strategy == MSAP_STRATEGY_AUTO, is_too_much = is_auto && is_upheaval(g, job->boxes, misplaced);
+    enum way way = way_by(strategy, g, job, misplaced);
     g->commit++;
-    if (is_too_much && is_jumpy(job->boxes)) {
+    if (way == JUMP) {
         int done = msap_grid_jump(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
     }
-    if (!g->is_tracking || strategy == MSAP_STRATEGY_SWEEP || is_too_much)
-        return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
-    if (is_auto) strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
+    if (way != TRACK) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (strategy == MSAP_STRATEGY_AUTO)
+        strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
 }
 

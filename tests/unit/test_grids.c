@@ -130,12 +130,14 @@ START_TEST(cells_are_as_wide_as_asked)
 }
 END_TEST
 
-/* A fixed grid has the cells that were asked for, and boxes beyond it wrap into them. */
+/* A fixed grid has the cells that were asked for, and boxes beyond it wrap into them, whether
+ * they are put in one by one or all anew; AUTO may keep no cells for boxes that only come. */
 START_TEST(a_fixed_grid_has_the_cells_that_were_asked_for)
 {
     msap_config config = config_of(3, DEFAULT);
     msap_world *world;
     int i;
+    config.strategy = (uint32_t)_i;
     config.grid = MSAP_GRID_FIXED;
     config.margin = 0;
     for (i = 0; i < 3; i++) {
@@ -428,6 +430,101 @@ START_TEST(work_follows_boxes_that_walk)
 }
 END_TEST
 
+/* --------------------------------------------------------------- the way of a commit */
+
+enum { CROWD = 2000, FAST = 1, SOME = 2, ALL = 4 };
+
+/* A field whose boxes move by a step: all of them, forth and back, or every eighth one, back; FAST: far.
+ * Returns how many of so many commits kept cells. */
+static int commits_that_track(session *s, int which, float step, int commits)
+{
+    int i, frame, tracked = 0;
+    for (frame = 0; frame < commits; frame++) {
+        for (i = 0; i < CROWD; i++) {
+            float by = (frame + i) % 2 ? step : -step;
+            if (!(which & ALL) && (i + frame) % 8 != 0)
+                continue;
+            if (which & FAST)
+                at[i] = in_square(&s->random, 60, 1);
+            at[i].min[i % 3] += by;
+            at[i].max[i % 3] += by;
+            right(session_update(s, handles[i], &at[i]));
+        }
+        right(session_commit(s));
+        tracked += stats_of(s->world).cells > 0;
+    }
+    right(session_compare(s));
+    return tracked;
+}
+
+static void open_crowd(session *s, float margin)
+{
+    msap_config config = config_of(3, DEFAULT);
+    int i;
+    config.margin = margin;
+    right(session_open(s, &config, 31, SCENE_SPREAD));
+    for (i = 0; i < CROWD; i++) {
+        at[i] = in_square(&s->random, 60, 1);
+        right(session_add(s, &at[i], 0, &handles[i]));
+    }
+    right(session_commit(s));
+}
+
+/* Cells and lists are given up when boxes leave them faster than they pay, a few or all, and made
+ * again when the boxes have calmed down. */
+START_TEST(cells_are_kept_while_they_pay)
+{
+    session s;
+    open_crowd(&s, MSAP_MARGIN_AUTO);
+    ck_assert_int_eq(commits_that_track(&s, ALL, 0.0078125f, 20), 20);
+    ck_assert_int_lt(commits_that_track(&s, ALL | FAST, 0, 20), 5);
+    ck_assert_int_eq(commits_that_track(&s, ALL | FAST, 0, 20), 0);
+    ck_assert_int_gt(commits_that_track(&s, ALL, 0.0078125f, 20), 10);
+    ck_assert_int_eq(commits_that_track(&s, ALL, 0.0078125f, 20), 20);
+    ck_assert_int_lt(commits_that_track(&s, SOME | FAST, 0, 30), 25);
+    ck_assert_int_eq(commits_that_track(&s, SOME | FAST, 0, 10), 0);
+    ck_assert_int_gt(commits_that_track(&s, ALL, 0.0078125f, 100), 50);
+    right(session_close(&s));
+}
+END_TEST
+
+static void step_all(session *s, float step)
+{
+    int i;
+    for (i = 0; i < CROWD; i++) {
+        at[i].min[i % 3] += step;
+        at[i].max[i % 3] += step;
+        right(session_update(s, handles[i], &at[i]));
+    }
+}
+
+/* Boxes that are all near the ends of their margins, from where a little motion that seems to
+ * last takes some of them out; and boxes that go far within their margins, but only some of them
+ * leave. What the lists cost is not what motion says; they are given up, and nothing is lost. */
+START_TEST(motion_can_deceive)
+{
+    session s;
+    int round;
+    for (round = 0; round < 2; round++) {
+        open_crowd(&s, 1);
+        ck_assert_int_eq(commits_that_track(&s, SOME, 3, 8), 8); /* they leave their first skins */
+        step_all(&s, -0.97f);
+        right(session_commit(&s));
+        ck_assert_int_lt(commits_that_track(&s, SOME, round ? 0.04f : 0.2f, 8), 8);
+        at[0].max[0] = float_of(0x7F800000); /* infinity, whose motion is none */
+        ck_assert_int_gt(commits_that_track(&s, ALL, 0.0078125f, 200), 100);
+        right(session_close(&s));
+    }
+    open_crowd(&s, 4);
+    for (round = 0; round < 20; round++) {
+        step_all(&s, round % 2 ? -2.0f : 2.0f);
+        commits_that_track(&s, SOME | FAST, 0, 1);
+    }
+    ck_assert_uint_eq(stats_of(s.world).cells, 0);
+    right(session_close(&s));
+}
+END_TEST
+
 /* ------------------------------------------------------------- mass removal */
 
 /* Many boxes leave in one commit, in some while others come and move; in the last one all do. */
@@ -515,7 +612,8 @@ int main(void)
     tcase_add_loop_test(tests, pairs_that_are_others_each_time, 0, SETUPS);
     tcase_add_loop_test(tests, pairs_that_are_others_each_time_and_failures, 0, SETUPS);
     tcase_add_test(tests, cells_are_as_wide_as_asked);
-    tcase_add_test(tests, a_fixed_grid_has_the_cells_that_were_asked_for);
+    tcase_add_loop_test(tests, a_fixed_grid_has_the_cells_that_were_asked_for, MSAP_STRATEGY_SLIDE,
+                        MSAP_STRATEGY_SWEEP + 1);
     tcase_add_test(tests, a_grid_that_is_too_large_for_the_memory);
     for (s = 0; s < COUNT(strategies); s++) {
         int i = strategies[s];
@@ -526,6 +624,8 @@ int main(void)
         tcase_add_loop_test(tests, a_density_that_changes, i, i + 1);
         tcase_add_loop_test(tests, boxes_that_shrink, i, i + 1);
     }
+    tcase_add_test(tests, cells_are_kept_while_they_pay);
+    tcase_add_test(tests, motion_can_deceive);
     tcase_add_loop_test(tests, work_follows_boxes_that_jump, 0, MSAP_STRATEGY_SWEEP + 1);
     tcase_add_loop_test(tests, work_follows_boxes_that_walk, 0, MSAP_STRATEGY_SWEEP + 1);
     return run_case(tests, "grids");

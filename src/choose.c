@@ -1,0 +1,136 @@
+/* Choosing how a Multi-SAP's commit goes: boxes put elsewhere one by one (track.c), all
+ * cells and lists made anew (rebuild.c), or all boxes pruned and nothing kept (jump.c).
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * What each way costs is estimated from counts alone, so that every run can be repeated.
+ * The unit is the test of a neighbour, some 3 nanoseconds; the weights are those of
+ * bench/strategies.
+ *
+ * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
+ * done as one who skis for an unknown number of days should rent or buy: they are given up
+ * when pruning would have saved as much as it costs to make them, and made again when
+ * they would have; then what is done costs at the most a few times what the best would
+ * have come to, whatever the scene does. What they would have saved while all is pruned is
+ * told from how the boxes move. Boxes that turn and tremble move more often than that says: how
+ * much more, when lists were last given up, is remembered, and little by little forgotten.
+ *
+ * When so many boxes leave their places in one commit that it is cheaper to make all anew,
+ * that is done if cells and lists have paid since they were made, or else all is pruned. */
+#include "internal.h"
+
+enum {
+    TRACK_MOVE = 240,      /* a box that is put elsewhere, */
+    TRACK_NEIGHBOUR = 10,  /* and each of its neighbours, */
+    TRACK_SEARCH = 32,     /* and, of so many, each in the list of each other */
+    TRACK_LEAVE = 90,      /* a box that leaves */
+    JUMP_BOX = 17,         /* a box when all are pruned, */
+    JUMP_PAIR = 3,         /* and a pair */
+    REBUILD_BOX = 43,      /* a box when all is made anew, */
+    REBUILD_NEIGHBOUR = 12 /* and a pair of neighbours */
+};
+
+/* Neighbours are about twice as many as pairs, on all kinds of scenes. */
+enum { NEIGHBOURS_A_PAIR = 2 };
+
+enum { ONE = 16, MOST_DOUBT = 16 * ONE, FORGETTING = 32 };
+
+/* What the ways cost, in tests. */
+struct costs {
+    int64_t track;    /* in this commit */
+    int64_t track_on; /* if it is like this in each */
+    int64_t jump, rebuild;
+};
+
+/* What it costs to keep track of the boxes that changed if so many of them must be put elsewhere
+ * and so many leave. */
+static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t leaving)
+{
+    int64_t boxes = (int64_t)job->boxes->live + 1, changed = (int64_t)job->boxes->n_changed;
+    int64_t near = NEIGHBOURS_A_PAIR * (int64_t)job->pairs->active, of_a_box = 2 * near / boxes;
+    return near * changed / boxes + leaving * TRACK_LEAVE +
+           moves * (TRACK_MOVE + of_a_box * (TRACK_NEIGHBOUR + of_a_box / TRACK_SEARCH));
+}
+
+static struct costs costs_of(const struct grid *g, const struct job *job)
+{
+    int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
+    struct costs c = {0, 0, boxes * (JUMP_BOX + (int64_t)g->wide) + pairs * JUMP_PAIR,
+                      boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
+    return c;
+}
+
+/* ------------------------------------------------------------------ foresight */
+
+/* How many boxes would be put elsewhere in each commit if all moved on as in this one and
+ * had their skins: estimated from some of the changed boxes. Those that come do not
+ * count: who knows whether they will move. */
+static double foreseen_moves(const struct grid *g)
+{
+    enum { SAMPLES = 64 };
+    const struct box_table *t = g->boxes;
+    size_t step = t->n_changed / SAMPLES + 1;
+    double moves = 0;
+    for (size_t i = 0; i < t->n_changed; i += step) {
+        const struct box *b = &t->at[t->changed[i]];
+        if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
+            moves += 1.0 / (double)msap_skin_lifetime(g, t->changed[i]);
+    }
+    return moves * (double)step; /* each stands for so many */
+}
+
+static int64_t foreseen_cost(const struct grid *g, const struct job *job)
+{
+    return cost_of_tracking(job, (int64_t)(foreseen_moves(g) * (ONE + g->doubt) / ONE), 0);
+}
+
+/* Lists are given up: remembers how many more moves there were than are foreseen. */
+static void learn_doubt(struct grid *g, int64_t moves)
+{
+    double foreseen = foreseen_moves(g), doubt = ONE * ((double)moves / (foreseen + 1) - 1);
+    g->doubt = doubt < 0 ? 0 : doubt > MOST_DOUBT ? MOST_DOUBT : (uint32_t)doubt;
+}
+
+/* -------------------------------------------------------------------- choosing */
+
+/* While nothing is kept. */
+static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
+{
+    g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
+    g->gain += c->jump - foreseen_cost(g, job);
+    if (g->gain < 0) g->gain = 0;
+    return g->gain > c->rebuild ? REBUILD : JUMP;
+}
+
+/* While cells and lists are kept; `learned` of the boxes that move had skins that were made for
+ * their motion, which did not last. */
+static enum way choose_tracked(struct grid *g, const struct job *job, const struct costs *c, int64_t moves)
+{
+    int has_paid = g->gain > 0;
+    if (c->track > c->rebuild) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP;
+    g->gain += c->jump - c->track_on;
+    if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
+    if (g->gain > -c->rebuild / 4) return TRACK;
+    learn_doubt(g, moves);
+    return JUMP;
+}
+
+/* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
+enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
+{
+    enum { FEW = 64 };
+    const struct box_table *t = job->boxes;
+    int64_t leaving = 0, moves = 0, early = 0;
+    struct costs c = costs_of(g, job);
+    if (!g->is_tracking) return g->is_jumping ? choose_untracked(g, job, &c) : REBUILD;
+    for (size_t i = 0; i < misplaced; i++) {
+        const struct box *b = &t->at[t->left[i]];
+        leaving += !(b->flags & BOX_LIVE);
+        early += b->level != NO_LEVEL && skin_age(b, g) < HORIZON_MOST;
+    }
+    moves = (int64_t)misplaced - leaving;
+    c.track = cost_of_tracking(job, moves, leaving);
+    c.track_on = cost_of_tracking(job, early, 0);
+    return t->live <= FEW ? TRACK : choose_tracked(g, job, &c, early);
+}
