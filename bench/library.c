@@ -69,6 +69,15 @@ static uint64_t check_of(const msap_world *world)
     return sum;
 }
 
+static size_t events_of(const msap_world *world)
+{
+    const msap_pair *pairs;
+    size_t created, deleted;
+    demand(msap_created(world, &pairs, &created));
+    demand(msap_deleted(world, &pairs, &deleted));
+    return created + deleted;
+}
+
 world_run library_run(const setting *w)
 {
     const scene *s = w->scene;
@@ -85,6 +94,7 @@ world_run library_run(const setting *w)
     run.ms = play_frames(world, s, handles, w->config && w->config->enqueue ? wall_ms : clock_ms);
     run.check = check_of(world);
     run.stats = stats_of(world);
+    run.events = events_of(world);
     demand(msap_trim(world));
     run.bytes_trimmed = stats_of(world).bytes;
     demand(msap_destroy(world));

@@ -19,6 +19,7 @@ typedef struct world_run {
     double first_ms, ms;    /* of the first commit, with all boxes; of a frame in the later half */
     uint64_t check;         /* of the pairs in the end */
     msap_world_stats stats; /* in the end */
+    size_t events;          /* of the last frame */
     uint64_t bytes_trimmed; /* what is held after msap_trim */
 } world_run;
 

@@ -17,8 +17,10 @@
  * end stands how much longer the commits take for the ways that the weights choose
  * than for the best ways.
  *
- * A Multi-SAP puts boxes elsewhere one by one, or prunes all: its constant is what the
- * one costs for a box that is moved, in what the other costs for a box that is there. */
+ * A Multi-SAP keeps neighbours and puts boxes elsewhere one by one, makes all anew, or
+ * prunes all. What each costs for each box, pair, neighbour or box put elsewhere follows
+ * from scenes of several sizes and densities in the same way; the unit is what the test
+ * of a neighbour costs. */
 #include "library.h"
 
 #include <math.h>
@@ -33,7 +35,7 @@ struct measured {
 };
 
 /* A way's cost: milliseconds for each of its terms. */
-enum { TERMS = 3 };
+enum { TERMS = 4 };
 struct cost {
     double of[TERMS];
 };
@@ -127,9 +129,9 @@ static struct measured measure(const recipe *r)
 /* How much of each term a commit has; 0 for a way that has fewer. */
 static struct cost terms_of(const struct measured *m, int way)
 {
-    const struct cost slide = {{m->places, m->changed, 0}};
+    const struct cost slide = {{m->places, m->changed}};
     const struct cost merge = {{6 * m->boxes, m->changed, m->changed * m->span}};
-    const struct cost sweep = {{6 * m->boxes, m->boxes * m->span, 0}};
+    const struct cost sweep = {{6 * m->boxes, m->boxes * m->span}};
     return way == MSAP_STRATEGY_SLIDE ? slide : way == MSAP_STRATEGY_MERGE ? merge : sweep;
 }
 
@@ -221,40 +223,83 @@ static void print_weights(const struct measured *m, size_t n)
 
 /* ----------------------------------------------------------- the Multi-SAP */
 
-/* Milliseconds of a commit in which a share of the boxes jumps. */
-static double jump_ms(uint32_t boxes, double share, msap_strategy strategy)
+/* Scenes of several sizes and densities. */
+enum { GRID_CASES = 12 };
+
+/* What one commit has of some things; returns of how many. */
+typedef int (*terms_fn)(const world_run *run, double terms[TERMS]);
+
+static int boxes_and_candidates(const world_run *run, double terms[TERMS])
 {
-    const recipe r = {"", boxes, 4, 2, share, 0, JUMPING, 0, 0};
-    const msap_config config = config_of(MSAP_GRID_AUTO, strategy, MSAP_MARGIN_AUTO);
-    scene s = scene_make(&r);
-    const setting world = {&s, &config, 0};
-    double ms = INFINITY;
-    for (int round = 0; round < ROUNDS; round++) ms = fmin(ms, library_run(&world).ms);
-    scene_free(&s);
-    return ms;
+    terms[0] = (double)run->stats.boxes;
+    terms[1] = (double)run->stats.candidates;
+    return 2;
 }
 
-static void measure_moves(void)
+static int boxes_and_pairs(const world_run *run, double terms[TERMS])
 {
-    static const uint32_t sizes[] = {1000, 10000, 100000};
-    static const double shares[] = {0.02, 0.05, 0.1, 0.2};
-    double sum = 0;
+    terms[0] = (double)run->stats.boxes;
+    terms[1] = (double)run->stats.pairs;
+    terms[2] = (double)run->events;
+    return 3;
+}
+
+static int moves_and_neighbours(const world_run *run, double terms[TERMS])
+{
+    terms[0] = (double)run->stats.moves;
+    terms[1] = terms[0] * 2 * (double)run->stats.candidates / (double)run->stats.boxes;
+    terms[2] = (double)run->stats.candidates;
+    terms[3] = (double)run->events;
+    return 4;
+}
+
+/* The factors with the least sum of squares of the relative errors, in nanoseconds. */
+static struct cost fit_grid(const recipe *kind, const msap_config *config, terms_fn terms_of_run)
+{
+    static const uint32_t sizes[] = {2000, 10000, 40000};
+    static const double overlaps[] = {1, 4, 16, 64};
+    double a[TERMS][TERMS + 1] = {{0}};
     int n = 0;
-    printf("\nin a Multi-SAP:\n");
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        double pruned = jump_ms(sizes[i], 1, MSAP_STRATEGY_AUTO) / sizes[i];
-        printf("%7u boxes: pruning all takes %.0f ns a box; putting elsewhere\n", (unsigned)sizes[i],
-               1e6 * pruned);
-        for (size_t k = 0; k < sizeof shares / sizeof *shares; k++, n++) {
-            double boxes = shares[k] * sizes[i];
-            double moved =
-                jump_ms(sizes[i], shares[k], boxes > 512 ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE) / boxes;
-            printf("%22.0f %% of them %.0f ns: COST_OF_A_MOVE %.1f\n", 100 * shares[k], 1e6 * moved,
-                   moved / pruned);
-            sum += log(moved / pruned);
+    for (size_t i = 0; i < GRID_CASES; i++) {
+        recipe r = *kind;
+        double terms[TERMS], ms = INFINITY;
+        r.boxes = sizes[i % 3];
+        r.overlaps = overlaps[i / 3];
+        r.speed *= (i + i / 3) % 2 ? 3 : 1; /* else events would follow from pairs */
+        scene s = scene_make(&r);
+        const setting world = {&s, config, 0};
+        for (int round = 0; round < ROUNDS; round++) {
+            world_run run = library_run(&world);
+            ms = fmin(ms, run.ms);
+            n = terms_of_run(&run, terms);
         }
+        for (int row = 0; row < n; row++) {
+            for (int k = 0; k < n; k++) a[row][k] += terms[row] * terms[k] / (ms * ms);
+            a[row][TERMS] += 1e6 * terms[row] / ms;
+        }
+        scene_free(&s);
     }
-    printf("on average %.1f\n", exp(sum / n));
+    return solve(a, n);
+}
+
+/* The weights of src/choose.c. */
+static void measure_grid(void)
+{
+    const recipe still = {"", 0, 8, 0, 1, 1e-5, STRAIGHT, 0, 0}, swift = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 0, 0},
+                 some = {"", 0, 24, 0, 1, 0.1, BROWNIAN, 0, 0};
+    const msap_config lists = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SLIDE, 0.25f),
+                      pruned = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_AUTO, MSAP_MARGIN_AUTO),
+                      anew = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SWEEP, MSAP_MARGIN_AUTO),
+                      moved = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_MERGE, MSAP_MARGIN_AUTO);
+    struct cost keep = fit_grid(&still, &lists, boxes_and_candidates);
+    struct cost jump = fit_grid(&swift, &pruned, boxes_and_pairs);
+    struct cost rebuild = fit_grid(&still, &anew, boxes_and_candidates);
+    struct cost track = fit_grid(&some, &moved, moves_and_neighbours);
+    double test = keep.of[1];
+    printf("\nin a Multi-SAP the test of a neighbour takes %.1f ns; in tests:\n", test);
+    printf("TRACK_MOVE %.0f, TRACK_NEIGHBOUR %.1f\n", track.of[0] / test, track.of[1] / test);
+    printf("JUMP_BOX %.1f, JUMP_PAIR %.1f\n", jump.of[0] / test, jump.of[1] / test);
+    printf("REBUILD_BOX %.0f, REBUILD_NEIGHBOUR %.1f\n", rebuild.of[0] / test, rebuild.of[1] / test);
 }
 
 /* --------------------------------------------------------------- everything */
@@ -286,6 +331,6 @@ static void measure_single(void)
 int main(void)
 {
     measure_single();
-    measure_moves();
+    measure_grid();
     return 0;
 }

@@ -5,8 +5,9 @@
  * SPDX-License-Identifier: MIT
  *
  * What each way costs is estimated from counts alone, so that every run can be repeated.
- * The unit is the test of a neighbour, some 3 nanoseconds; the weights are those of
- * bench/strategies.
+ * The unit is the test of a neighbour, some 3 nanoseconds; the weights are from recorded
+ * scenes, and bench/strategies measures them on made ones. What an event costs is much the
+ * same in all ways and stands in none.
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
  * done as one who skis for an unknown number of days should rent or buy: they are given up
