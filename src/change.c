@@ -108,21 +108,34 @@ static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
     t->n_left = n_left;
 }
 
-/* Gives a box that was not changed yet the bounds of a row, or leaves it as it is. */
-static msap_status update_one(struct box_table *t, uint32_t slot, const msap_boxes *boxes, size_t row,
-                              uint32_t dims, uint32_t *bound)
+/* Updates the boxes of a batch from the i-th on, as long as each is live, was not changed yet and
+ * gets legal bounds, which are floats side by side: nearly always all of them, so all that loops
+ * need not ask is asked before. Returns the first that is not such a box. */
+static inline size_t update_plain(struct box_table *table, const msap_handle *handles, const msap_boxes *from,
+                                  size_t i, size_t k, uint32_t dims)
 {
-    struct box *b = &t->at[slot];
-    int is_within;
-    t->past[slot].before = b->now;
-    msap_status status = bounds_read_within(boxes, row, dims, &b->fat, &b->now, &is_within, bound);
-    if (status != MSAP_OK) {
-        b->now = t->past[slot].before;
-        return status;
+    struct box_table t = *table;
+    const ptrdiff_t row_min = from->min_row, row_max = from->max_row;
+    const char *min = (const char *)from->min + (ptrdiff_t)i * row_min,
+               *max = (const char *)from->max + (ptrdiff_t)i * row_max;
+    for (; i < k; i++, min += row_min, max += row_max) {
+        struct box *b = box_find(&t, handles[i], BOX_LIVE);
+        uint32_t slot = slot_of(handles[i]);
+        int is_within;
+        if (!b || b->changed_in == t.epoch) break;
+        t.past[slot].before = b->now;
+        if (!encode_within(load_floats(min, sizeof(float), dims), load_floats(max, sizeof(float), dims), &b->fat,
+                           &b->now, &is_within)) {
+            b->now = t.past[slot].before;
+            break;
+        }
+        b->changed_in = t.epoch;
+        t.changed[t.n_changed++] = slot;
+        if (!is_within) box_mark_left(&t, slot);
     }
-    box_list_changed(t, slot);
-    if (!is_within) box_mark_left(t, slot);
-    return MSAP_OK;
+    table->n_changed = t.n_changed;
+    table->n_left = t.n_left;
+    return i;
 }
 
 /* Updates the boxes of a batch that were not changed yet, and checks the others, of
@@ -132,18 +145,19 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
 {
     const msap_boxes from = *boxes;
     uint32_t dims = w->config.dims;
+    int is_plain = from.scalar == MSAP_FLOAT && from.min_component == sizeof(float) &&
+                   from.max_component == sizeof(float);
     size_t n_changed = w->boxes.n_changed, n_left = w->boxes.n_left;
     for (size_t i = 0; i < k; i++) {
         struct bounds bounds;
         uint32_t bound = MSAP_NO_BOUND;
-        const struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        if (is_plain && dims == 3) i = update_plain(&w->boxes, handles, &from, i, k, 3);
+        else if (is_plain) i = update_plain(&w->boxes, handles, &from, i, k, 2);
+        if (i == k) break;
         msap_status status = MSAP_ERROR_HANDLE;
-        if (b && !box_is_changed(&w->boxes, slot_of(handles[i]))) {
-            status = update_one(&w->boxes, slot_of(handles[i]), &from, i, dims, &bound);
-        } else if (b) {
-            status = bounds_read(&from, i, dims, &bounds, &bound);
-            ++*others;
-        }
+        if (box_find(&w->boxes, handles[i], BOX_LIVE)) status = bounds_read(&from, i, dims, &bounds, &bound);
+        if (status == MSAP_OK && box_is_changed(&w->boxes, slot_of(handles[i]))) ++*others;
+        else if (status == MSAP_OK) box_change(&w->boxes, slot_of(handles[i]), &bounds);
         if (status != MSAP_OK) {
             undo_update(&w->boxes, n_changed, n_left);
             return msap_world_fail(w, status, i, bound);

@@ -100,24 +100,8 @@ struct bounds msap_bounds_widened(const struct bounds *b, float margin);
 msap_boxes msap_boxes_of_one(const float *min, const float *max);
 msap_status msap_boxes_check(const msap_boxes *boxes, size_t k);
 
-/* Reads row `row` of an array of boxes; *is_within becomes whether they are within `outer`.
- * Of bounds that are not legal, *bound becomes the one at fault. */
-static inline msap_status bounds_read_within(const msap_boxes *boxes, size_t row, uint32_t dims,
-                                             const struct bounds *outer, struct bounds *out, int *is_within,
-                                             uint32_t *bound)
-{
-    const char *min = (const char *)boxes->min + (ptrdiff_t)row * boxes->min_row;
-    const char *max = (const char *)boxes->max + (ptrdiff_t)row * boxes->max_row;
-    if (boxes->scalar == MSAP_FLOAT &&
-        encode_within(load_floats(min, boxes->min_component, dims), load_floats(max, boxes->max_component, dims),
-                      outer, out, is_within))
-        return MSAP_OK;
-    msap_status status = msap_bounds_read_with_care(boxes, min, max, dims, out, bound);
-    *is_within = contains(outer, out);
-    return status;
-}
-
-/* The same without an outer box. */
+/* Reads row `row` of an array of boxes. Of bounds that are not legal, *bound becomes the one at
+ * fault. */
 static inline msap_status bounds_read(const msap_boxes *boxes, size_t row, uint32_t dims, struct bounds *out,
                                       uint32_t *bound)
 {
