@@ -93,18 +93,28 @@ static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, c
 #if defined(HAS_AVX2)
 #define LOAD256(array) _mm256_loadu_si256((const __m256i *)(const void *)(array))
 
-/* Writes those of four ids whose bits are set, without their marks, and behind them what means
- * nothing: four in all, without a branch. Returns how many they are. */
-__attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, const uint32_t *id, uint32_t found,
-                                                               uint32_t marks)
+/* For each set of columns, its columns in order, a byte each. */
+#define HAS(set, column) (((set) >> (column)) & 1)
+#define BEFORE(set, column) \
+    (((column) > 0 && HAS(set, 0)) + ((column) > 1 && HAS(set, 1)) + ((column) > 2 && HAS(set, 2)) + \
+     ((column) > 3 && HAS(set, 3)) + ((column) > 4 && HAS(set, 4)) + ((column) > 5 && HAS(set, 5)) + \
+     ((column) > 6 && HAS(set, 6)))
+#define PLACED(set, column) ((uint64_t)(HAS(set, column) * (column)) << 8 * BEFORE(set, column))
+#define ORDER(set) \
+    (PLACED(set, 1) | PLACED(set, 2) | PLACED(set, 3) | PLACED(set, 4) | PLACED(set, 5) | PLACED(set, 6) | \
+     PLACED(set, 7))
+#define ORDER_4(set) ORDER(set), ORDER((set) + 1), ORDER((set) + 2), ORDER((set) + 3)
+#define ORDER_16(set) ORDER_4(set), ORDER_4((set) + 4), ORDER_4((set) + 8), ORDER_4((set) + 12)
+#define ORDER_64(set) ORDER_16(set), ORDER_16((set) + 16), ORDER_16((set) + 32), ORDER_16((set) + 48)
+static const uint64_t order[256] = {ORDER_64(0), ORDER_64(64), ORDER_64(128), ORDER_64(192)};
+
+/* Writes those of eight values whose bits are set, and behind them what means nothing: eight in
+ * all, without a branch. Returns how many they are. */
+__attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, __m256i values, uint32_t found)
 {
-    static const int32_t order[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
-                                         {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
-                                         {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-    __m128 four_ids = _mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)id));
-    __m128i packed = _mm_castps_si128(
-        _mm_permutevar_ps(four_ids, _mm_loadu_si128((const __m128i *)(const void *)order[found])));
-    _mm_storeu_si128((__m128i *)(void *)out, _mm_andnot_si128(_mm_set1_epi32((int32_t)marks), packed));
+    __m128i columns = _mm_loadl_epi64((const __m128i *)(const void *)&order[found]);
+    __m256i packed = _mm256_permutevar8x32_epi32(values, _mm256_cvtepu8_epi32(columns));
+    _mm256_storeu_si256((__m256i *)(void *)out, packed);
     return (size_t)__builtin_popcount(found);
 }
 
@@ -112,6 +122,9 @@ __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, co
 #define APART256(at, k)                                                \
     _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256((at)->min[k]), max[k]), \
                     _mm256_cmpgt_epi32(min[k], LOAD256((at)->max[k])))
+
+/* 0 to 7 */
+#define COLUMNS256 _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
 
 __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, uint32_t first, uint32_t last,
                                                          const struct bounds *b, uint32_t *out)
@@ -121,12 +134,16 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
                             _mm256_set1_epi32(b->min[2])};
     const __m256i max[3] = {_mm256_set1_epi32(b->max[0]), _mm256_set1_epi32(b->max[1]),
                             _mm256_set1_epi32(b->max[2])};
+    const __m256i from = _mm256_set1_epi32((int32_t)first), to = _mm256_set1_epi32((int32_t)last - 1);
+    __m256i row_numbers = _mm256_add_epi32(_mm256_set1_epi32((int32_t)(first & ~7u)), COLUMNS256);
     for (uint32_t row = first & ~7u; row < last; row += 8) {
         const struct cell_block *at = &c->block[row / 8];
         __m256i apart = _mm256_or_si256(_mm256_or_si256(APART256(at, 0), APART256(at, 1)), APART256(at, 2));
-        uint32_t found = ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)) & columns_in(row, first, last);
-        n += put_found(out + n, at->id, found & 15, 0);
-        n += put_found(out + n, at->id + 4, found >> 4, 0);
+        __m256i outside =
+            _mm256_or_si256(_mm256_cmpgt_epi32(from, row_numbers), _mm256_cmpgt_epi32(row_numbers, to));
+        apart = _mm256_or_si256(apart, outside);
+        row_numbers = _mm256_add_epi32(row_numbers, _mm256_set1_epi32(8));
+        n += put_found(out + n, LOAD256(at->id), 255 & ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)));
     }
     return n;
 }
@@ -192,11 +209,12 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
                                                            struct pair_buffer *out)
 {
     const uint32_t last = at->last, end = at->end;
+    const __m256i marks = _mm256_set1_epi32((int32_t)ROW_MARKS);
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
     for (; i < last; i++, j = i + 1) {
         uint32_t is_past = 0;
-        __m128i self = _mm_set1_epi32((int32_t)(s->id[i] & ~ROW_MARKS));
+        __m256i self = _mm256_set1_epi32((int32_t)(s->id[i] & ~ROW_MARKS));
         __m256i lacks = _mm256_set1_epi32((int32_t)(~s->id[i] & ROW_MARKS));
         __m256i stop = _mm256_set1_epi32(s->max[0][i]);
         __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
@@ -207,15 +225,13 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
                                              _mm256_cmpgt_epi32(min1, LOAD256(s->max[1] + j)));
             __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2] + j), max2),
                                              _mm256_cmpgt_epi32(min2, LOAD256(s->max[2] + j)));
-            __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2));
-            __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(LOAD256(s->id + j), lacks), lacks);
+            __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2)), ids = LOAD256(s->id + j);
+            __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(ids, lacks), lacks);
             uint32_t found = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(apart, has)));
             is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
             if (end - j < 8) found &= (1u << (end - j)) - 1;
-            for (uint32_t half = 0; half < 8; half += 4) {
-                _mm_storeu_si128((__m128i *)(void *)(out->a + n), self);
-                n += put_found(out->b + n, s->id + j + half, found >> half & 15, ROW_MARKS);
-            }
+            _mm256_storeu_si256((__m256i *)(void *)(out->a + n), self);
+            n += put_found(out->b + n, _mm256_andnot_si256(marks, ids), found);
         }
         if (j < end && !is_past) break;
     }
