@@ -18,9 +18,9 @@
 #define LEAST_UNITS (1.0f / 1073741824.0f)
 #define MOST_FLOAT 3.402823466e38f
 
-/* floor(x * scale) on all axes. */
+/* floor(x * scale) of four. */
 #if defined(__SSE2__)
-static inline void units_of(const float scale[4], const int32_t *ordered, int32_t units[4])
+static inline void four_units(const float scale[4], const int32_t *ordered, int32_t units[4])
 {
     __m128i bits = load_bounds(ordered);
     bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
@@ -34,17 +34,31 @@ static inline void units_of(const float scale[4], const int32_t *ordered, int32_
     whole = _mm_add_epi32(whole, _mm_castps_si128(_mm_cmplt_ps(x, _mm_cvtepi32_ps(whole))));
     _mm_storeu_si128((__m128i *)(void *)units, whole);
 }
-#else
+
+/* floor(x * scale) on all axes. */
 static inline void units_of(const float scale[4], const int32_t *ordered, int32_t units[4])
 {
-    for (int k = 0; k < 3; k++) {
-        float x = float_from_bits(float_bits_from_ordered(ordered[k]));
-        x = x > MOST_FLOAT ? MOST_FLOAT : x < -MOST_FLOAT ? -MOST_FLOAT : x;
-        x *= scale[k];
-        if (!(x >= LEAST_UNITS || x <= -LEAST_UNITS)) x = 0;
-        x = x > MOST_UNITS ? MOST_UNITS : x < -MOST_UNITS ? -MOST_UNITS : x;
-        units[k] = (int32_t)x - ((float)(int32_t)x > x);
-    }
+    four_units(scale, ordered, units);
+}
+#else
+static inline int32_t unit_of(float scale, int32_t ordered)
+{
+    float x = float_from_bits(float_bits_from_ordered(ordered));
+    x = x > MOST_FLOAT ? MOST_FLOAT : x < -MOST_FLOAT ? -MOST_FLOAT : x;
+    x *= scale;
+    if (!(x >= LEAST_UNITS || x <= -LEAST_UNITS)) x = 0;
+    x = x > MOST_UNITS ? MOST_UNITS : x < -MOST_UNITS ? -MOST_UNITS : x;
+    return (int32_t)x - ((float)(int32_t)x > x);
+}
+
+static inline void four_units(const float scale[4], const int32_t *ordered, int32_t units[4])
+{
+    for (int i = 0; i < 4; i++) units[i] = unit_of(scale[i], ordered[i]);
+}
+
+static inline void units_of(const float scale[4], const int32_t *ordered, int32_t units[4])
+{
+    for (int k = 0; k < 3; k++) units[k] = unit_of(scale[k], ordered[k]);
 }
 #endif
 

@@ -310,15 +310,6 @@ static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
     if (!overlap(&t->past[a].before, &t->past[b].before)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
-/* A pair that is known to have overlapped before. */
-static inline void settle_known(struct settler *s, uint32_t a, uint32_t b)
-{
-    const struct box *p = &s->boxes->at[a], *q = &s->boxes->at[b];
-    int is = ((p->flags & q->flags & BOX_LIVE) != 0) & overlap(&p->now, &q->now);
-    s->touched++;
-    if (!is) msap_settle_change(s, pair_key(a, b), 0);
-}
-
 void msap_touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
@@ -621,9 +612,8 @@ struct layout {
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
     uint32_t axis[3]; /* the sweep axis first */
-    float scale[4];   /* as layout.scale */
-    uint32_t count[2];
-    uint32_t shift;     /* count[0] is 1 << shift */
+    float scale[2];   /* on the axes across, as layout.scale */
+    uint32_t count[2]; /* powers of two */
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
 };

@@ -25,11 +25,11 @@
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
 
-/* The rows that a box touches: from which one, as wrapped, and, of a box that is not wide, how
- * many more on each axis across. */
+/* The rows that a box touches: from which one and, of a box that is not wide, how many more on
+ * each axis across. */
 struct row_range {
-    uint16_t y, z;
-    uint8_t more_y, more_z;
+    uint32_t row;
+    uint8_t more[2];
 };
 
 /* One call at work. */
@@ -73,26 +73,29 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
         r->count[k] = across->exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(across));
-        r->scale[r->axis[1 + k]] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
+        r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
-    r->scale[r->axis[0]] = 0;
-    for (r->shift = 0; 1u << r->shift < r->count[0];) r->shift++;
     r->chosen_for = boxes->live + 1;
 }
 
 /* --------------------------------------------------------------- steps 1, 2 */
 
-/* A row by where it is across; the numbers of rows are powers of two. */
-static inline size_t row_at(const struct rows *r, uint32_t y, uint32_t z)
+/* The row behind one on the first axis across, and on the second, around the end. */
+static inline uint32_t next_row(const struct rows *r, uint32_t row)
 {
-    return (size_t)(z & (r->count[1] - 1)) << r->shift | (y & (r->count[0] - 1));
+    uint32_t last = r->count[0] - 1;
+    return (row & ~last) | ((row + 1) & last);
+}
+static inline uint32_t next_line(const struct rows *r, uint32_t row)
+{
+    return (row + r->count[0]) & (r->count[0] * r->count[1] - 1);
 }
 
-/* The first of the rows from unit `low` on, *more of them besides: row 0 if those are all, all
- * around. */
-static inline uint16_t first_row(int32_t low, uint32_t *more, uint32_t count)
+/* Where the first of the rows from unit `low` on is, *more of them besides: at the start if those
+ * are all, all around. */
+static inline uint32_t first_of(int32_t low, uint32_t *more, uint32_t count)
 {
-    if (*more < count) return (uint16_t)((uint32_t)low & (count - 1));
+    if (*more < count) return (uint32_t)low & (count - 1);
     *more = count - 1;
     return 0;
 }
@@ -100,31 +103,32 @@ static inline uint16_t first_row(int32_t low, uint32_t *more, uint32_t count)
 /* The rows that a box touches; returns how many. */
 static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
 {
-    int32_t low[4], high[4];
-    units_of(r->scale, b->min, low);
-    units_of(r->scale, b->max, high);
-    int32_t y = low[r->axis[1]], z = low[r->axis[2]];
-    uint32_t more_y = (uint32_t)high[r->axis[1]] - (uint32_t)y, more_z = (uint32_t)high[r->axis[2]] - (uint32_t)z;
-    range->y = first_row(y, &more_y, r->count[0]);
-    range->z = first_row(z, &more_z, r->count[1]);
-    range->more_y = (uint8_t)more_y;
-    range->more_z = (uint8_t)more_z;
+    const float scale[4] = {r->scale[0], r->scale[1], r->scale[0], r->scale[1]};
+    const int32_t end[4] = {b->min[r->axis[1]], b->min[r->axis[2]], b->max[r->axis[1]], b->max[r->axis[2]]};
+    int32_t at[4];
+    four_units(scale, end, at);
+    uint32_t more_y = (uint32_t)at[2] - (uint32_t)at[0], more_z = (uint32_t)at[3] - (uint32_t)at[1];
+    uint32_t y = first_of(at[0], &more_y, r->count[0]), z = first_of(at[1], &more_z, r->count[1]);
+    range->row = z * r->count[0] + y;
+    range->more[0] = (uint8_t)more_y;
+    range->more[1] = (uint8_t)more_z;
     return (uint64_t)(more_y + 1) * (more_z + 1);
 }
 
 /* Counts a box in its rows: where it touches two on each axis at the most, without a question. */
 static inline void count_in_rows(const struct rows *r, const struct row_range *range, uint32_t *end)
 {
-    uint32_t y = range->y, z = range->z, more_y = range->more_y, more_z = range->more_z;
+    uint32_t row = range->row, more_y = range->more[0], more_z = range->more[1];
     if ((more_y | more_z) <= 1) {
-        end[row_at(r, y, z)]++;
-        end[row_at(r, y + 1, z)] += more_y;
-        end[row_at(r, y, z + 1)] += more_z;
-        end[row_at(r, y + 1, z + 1)] += more_y & more_z;
+        uint32_t line = next_line(r, row);
+        end[row]++;
+        end[next_row(r, row)] += more_y;
+        end[line] += more_z;
+        end[next_row(r, line)] += more_y & more_z;
         return;
     }
-    for (uint32_t j = 0; j <= more_z; j++)
-        for (uint32_t i = 0; i <= more_y; i++) end[row_at(r, y + i, z + j)]++;
+    for (uint32_t z = 0; z <= more_z; z++, row = next_line(r, row))
+        for (uint32_t y = 0, at = row; y <= more_y; y++, at = next_row(r, at)) end[at]++;
 }
 
 /* Finds the rows of each box, counts the boxes of each row into `end`, puts the wide boxes
@@ -173,17 +177,17 @@ static void fill_rows(struct jump *j)
     struct row_set set = j->set;
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
-        const struct row_range *range = &j->range[slot];
+        const struct row_range range = j->range[slot];
+        const struct bounds now = boxes[slot].now;
         if (i + AHEAD < j->n) {
             prefetch(&boxes[key_box(j->order[i + AHEAD])]);
             prefetch(&j->range[key_box(j->order[i + AHEAD])]);
         }
         uint32_t id = slot | ((boxes[slot].flags & BOX_STATIC) ^ BOX_STATIC) * (ROW_MOVES / BOX_STATIC);
-        for (uint32_t z = 0; z <= range->more_z; z++)
-            for (uint32_t y = 0; y <= range->more_y; y++) {
+        for (uint32_t z = 0, line = range.row; z <= range.more[1]; z++, line = next_line(r, line))
+            for (uint32_t y = 0, row = line; y <= range.more[0]; y++, row = next_row(r, row)) {
                 uint32_t starts = (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
-                uint32_t at = j->end[row_at(r, range->y + y, range->z + z)]++;
-                row_set_put(&set, at, &boxes[slot].now, axis, id | starts);
+                row_set_put(&set, j->end[row]++, &now, axis, id | starts);
             }
     }
 }

@@ -72,11 +72,24 @@ void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index)
     if (!s->memory) list->n++; /* a worker counts on */
 }
 
+/* Whether the boxes of a pair are both live; they are if none was removed. */
+static inline int are_live(const struct box_table *t, uint32_t a, uint32_t b)
+{
+    return t->removed.head == NONE || (t->at[a].flags & t->at[b].flags & BOX_LIVE);
+}
+
 static void touch_known(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct job *job = context;
+    const struct box_table *t = job->boxes;
+    const struct box *box = t->at;
     const msap_pair *pair = job->pairs->at;
-    for (size_t i = first; i < last; i++) settle_known(&w->settler, slot_of(pair[i].a), slot_of(pair[i].b));
+    w->settler.touched += last - first;
+    for (size_t i = first; i < last; i++) {
+        uint32_t a = slot_of(pair[i].a), b = slot_of(pair[i].b);
+        if (overlap(&box[a].now, &box[b].now) && are_live(t, a, b)) continue;
+        msap_settle_change(&w->settler, pair_key(a, b), 0);
+    }
 }
 
 /* Touches the known pairs. It cannot lack memory: the list of the doomed has room for them all. */
