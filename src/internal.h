@@ -449,6 +449,7 @@ struct pair_buffer {
 enum {
     WEIGHT_TOUCH = 1,    /* a box that is touched; two of its pairs; a test of a wide box */
     WEIGHT_KNOWN = 1,    /* a known pair */
+    WEIGHT_FILL = 1,     /* a box that is written into a row */
     WEIGHT_ROW_BOX = 2,  /* a box in the rows that are swept */
     WEIGHT_FOUND = 2,    /* a pair of a box that asks its cells */
     WEIGHT_LEVELS = 4,   /* a box that asks other levels, where most need not */
@@ -647,18 +648,6 @@ struct row_sweep {
  * taken. */
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
-
-static inline void row_set_put(struct row_set *set, uint32_t at, const struct bounds *b, const uint32_t axis[3],
-                               uint32_t id)
-{
-    set->min[0][at] = b->min[axis[0]];
-    set->min[1][at] = b->min[axis[1]];
-    set->min[2][at] = b->min[axis[2]];
-    set->max[0][at] = b->max[axis[0]];
-    set->max[1][at] = b->max[axis[1]];
-    set->max[2][at] = b->max[axis[2]];
-    set->id[at] = id;
-}
 
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the

@@ -11,8 +11,9 @@
  * 1. All axes but one, the one on which boxes are finest compared with the scene, cut
  *    space into rows along that one: the paper's grid, one SAP a row (II.2). Rows wrap
  *    around, as cells do (grid.c). The boxes of each row are counted.
- * 2. The boxes are sorted by their min on that axis and written, in this order, into
- *    the rows that they touch: so every row is sorted.
+ * 2. The boxes are sorted by their min on that axis and named, in this order, in the
+ *    rows that they touch: so every row is sorted. Then their bounds are written into the
+ *    rows, one after another.
  * 3. Each row is swept: from each box over those behind it until one starts after its
  *    end, eight at a time. Two boxes that meet in several rows are taken where, on both
  *    axes across, one of them starts: that is one row, unless rows wrap around so soon
@@ -20,7 +21,7 @@
  * 4. Boxes that touch many rows are in none; each is tested against all. Where there
  *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
- * Sorting and filling take the calling thread, sweeps and tests all workers. */
+ * Sorting and naming take the calling thread, the rest all workers. */
 #include "cells.h"
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
@@ -30,6 +31,7 @@ enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
 struct row_range {
     uint32_t row;
     uint8_t more[2];
+    uint8_t is_static;
 };
 
 /* One call at work. */
@@ -146,6 +148,7 @@ static size_t count_rows(struct jump *j)
         if (!(b->flags & BOX_LIVE)) continue;
         if (!box_is_changed(t, slot)) t->past[slot].before = b->now;
         uint64_t rows = range_rows(r, &b->now, range);
+        range->is_static = (b->flags & BOX_STATIC) != 0;
         if (rows > MOST_ROWS) {
             j->wide[j->n_wide++] = slot;
             continue;
@@ -168,27 +171,45 @@ static void start_rows(struct jump *j, size_t rows)
     }
 }
 
-static void fill_rows(struct jump *j)
+/* Names the boxes of each row, in their order. */
+static void list_rows(struct jump *j)
 {
     enum { AHEAD = 8 };
     const struct rows rows_now = j->grid->rows, *r = &rows_now;
-    const struct box *boxes = j->job->boxes->at;
-    const uint32_t axis[3] = {r->axis[0], r->axis[1], r->axis[2]};
-    struct row_set set = j->set;
+    uint32_t *id = j->set.id;
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
         const struct row_range range = j->range[slot];
-        const struct bounds now = boxes[slot].now;
-        if (i + AHEAD < j->n) {
-            prefetch(&boxes[key_box(j->order[i + AHEAD])]);
-            prefetch(&j->range[key_box(j->order[i + AHEAD])]);
-        }
-        uint32_t id = slot | ((boxes[slot].flags & BOX_STATIC) ^ BOX_STATIC) * (ROW_MOVES / BOX_STATIC);
+        if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
+        uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES);
         for (uint32_t z = 0, line = range.row; z <= range.more[1]; z++, line = next_line(r, line))
-            for (uint32_t y = 0, row = line; y <= range.more[0]; y++, row = next_row(r, row)) {
-                uint32_t starts = (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
-                row_set_put(&set, j->end[row]++, &now, axis, id | starts);
-            }
+            for (uint32_t y = 0, row = line; y <= range.more[0]; y++, row = next_row(r, row))
+                id[j->end[row]++] = name | (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
+    }
+}
+
+/* Writes the bounds of entries first ... last - 1. */
+static void fill_rows(void *context, struct worker *w, size_t first, size_t last)
+{
+    enum { AHEAD = 8 };
+    const struct jump *j = context;
+    const struct box *boxes = j->job->boxes->at;
+    const uint32_t *axis = j->grid->rows.axis, *id = j->set.id;
+    int32_t *min[3], *max[3]; /* by axis of the boxes */
+    (void)w;
+    for (int k = 0; k < 3; k++) {
+        min[axis[k]] = j->set.min[k];
+        max[axis[k]] = j->set.max[k];
+    }
+    for (size_t i = first; i < last; i++) {
+        const struct bounds *b = &boxes[id[i] & ~ROW_MARKS].now;
+        if (i + AHEAD < last) prefetch(&boxes[id[i + AHEAD] & ~ROW_MARKS]);
+        min[0][i] = b->min[0];
+        min[1][i] = b->min[1];
+        min[2][i] = b->min[2];
+        max[0][i] = b->max[0];
+        max[1][i] = b->max[1];
+        max[2][i] = b->max[2];
     }
 }
 
@@ -298,9 +319,10 @@ int msap_grid_jump(struct grid *g, struct job *job)
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);
     j.set = g->row_set;
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
-    fill_rows(&j);
+    list_rows(&j);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
     job->crew->worker[0].pairs.n = 0;
+    msap_phase_run(job->crew, job->memory, fill_rows, &j, entries, WEIGHT_FILL); /* it finds nothing */
     if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, entries, WEIGHT_ROW_BOX) ||
         !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))
         return 0;
