@@ -5,7 +5,7 @@
  *
  * 1. The SAP is brought up to date and touches pairs; settled, they make the lists
  *    of fresh and doomed pairs.
- * 2. The lists are sorted and freed of repeats: these are the events.
+ * 2. The lists are sorted and freed of repeats, if they are not so: these are the events.
  * 3. All memory that is still needed is taken. What fails up to here leaves the
  *    pairs, the events of the last commit and the pending changes as they were, and
  *    the world stale: the axes have moved on without their touches being kept, so
@@ -35,7 +35,7 @@ static uint32_t update(msap_world *w, struct job *job)
 static void forget_events(struct settler *s)
 {
     s->fresh.n = s->doomed.n = s->notes.n = 0;
-    s->lost = s->has_all_doomed = 0;
+    s->lost = s->has_all_doomed = s->are_events = 0;
     s->touched = s->crossings = 0;
 }
 
@@ -55,6 +55,7 @@ static msap_status find_events(msap_world *w)
         msap_touch_all_boxes(&job);
     }
     if (s->lost) return MSAP_ERROR_MEMORY;
+    if (s->are_events) return MSAP_OK;
     sort_events(&s->fresh, &w->scratch, &w->memory);
     sort_events(&s->doomed, &w->scratch, &w->memory);
     return MSAP_OK;

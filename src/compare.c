@@ -60,6 +60,7 @@ static void find_events(struct settler *s, const struct keys *before, const stru
     for (; j < now->n; j++) s->fresh.at[fresh++] = now->at[j];
     s->doomed.n = doomed;
     s->fresh.n = fresh;
+    s->are_events = 1;
 }
 
 /* Fills the lists of events by the pairs that overlap now, which worker 0 has, in any order

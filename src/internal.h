@@ -273,6 +273,7 @@ struct settler {
     int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
     int has_all_doomed;    /* 1: the doomed list holds every known pair */
+    int are_events;        /* 1: both lists are sorted and without repeats */
     uint64_t touched, crossings;
 };
 
