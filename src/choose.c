@@ -10,21 +10,23 @@
  * same in all ways and stands in none.
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
- * done as one who skis for an unknown number of days should rent or buy: they are given up
- * when pruning would have saved as much as it costs to make them, and made again when
- * they would have; then what is done costs at the most a few times what the best would
- * have come to, whatever the scene does. What they would have saved while all is pruned is
- * told from how the boxes move. Boxes that turn and tremble move more often than that says: how
- * much more, when lists were last given up, is remembered, and little by little forgotten.
+ * done as one who skis for an unknown number of days should rent or buy: they are made
+ * when they would have saved as much as that costs, and given up when they have lost a
+ * quarter of it; then what is done costs at the most a few times what the best would have
+ * come to, whatever the scene does. What they would save is told from how the boxes move.
+ * Boxes that turn and tremble move more often than that says: how much more, when lists
+ * were last given up, is remembered, and little by little forgotten. If motion says that
+ * lists would pay once all boxes have a skin for it, they are made anew instead.
  *
  * When so many boxes leave their places in one commit that it is cheaper to make all anew,
- * that is done if cells and lists have paid since they were made, or else all is pruned. */
+ * that is done if cells and lists have paid since they were made and will, or else all is
+ * pruned. */
 #include "internal.h"
 
 enum {
     TRACK_MOVE = 240,      /* a box that is put elsewhere, */
     TRACK_NEIGHBOUR = 10,  /* and each of its neighbours, */
-    TRACK_SEARCH = 32,     /* and, of so many, each in the list of each other */
+    TRACK_SEARCH = 8,      /* and, of so many, each in the list of each other */
     TRACK_LEAVE = 90,      /* a box that leaves */
     JUMP_BOX = 17,         /* a box when all are pruned, */
     JUMP_PAIR = 3,         /* and a pair */
@@ -39,9 +41,7 @@ enum { ONE = 16, MOST_DOUBT = 16 * ONE, FORGETTING = 32 };
 
 /* What the ways cost, in tests. */
 struct costs {
-    int64_t track;    /* in this commit */
-    int64_t track_on; /* if it is like this in each */
-    int64_t jump, rebuild;
+    int64_t track, jump, rebuild;
 };
 
 /* What it costs to keep track of the boxes that changed if so many of them must be put elsewhere
@@ -57,7 +57,7 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    struct costs c = {0, 0, boxes * (JUMP_BOX + (int64_t)g->wide) + pairs * JUMP_PAIR,
+    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->wide) + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
 }
@@ -101,20 +101,22 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
     g->gain += c->jump - foreseen_cost(g, job);
     if (g->gain < 0) g->gain = 0;
-    return g->gain > c->rebuild ? REBUILD : JUMP;
+    return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
 }
 
-/* While cells and lists are kept; `learned` of the boxes that move had skins that were made for
- * their motion, which did not last. */
-static enum way choose_tracked(struct grid *g, const struct job *job, const struct costs *c, int64_t moves)
+/* While cells and lists are kept. `early` are the boxes that left a skin made for their motion:
+ * if lists do not pay because of others, new skins may mend it. */
+static enum way choose_tracked(struct grid *g, const struct job *job, const struct costs *c, int64_t early)
 {
-    int has_paid = g->gain > 0;
-    if (c->track > c->rebuild) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP;
-    g->gain += c->jump - c->track_on;
+    int has_paid = g->gain > 0, is_upheaval = c->track > c->rebuild;
+    g->gain += c->jump - c->track;
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
-    if (g->gain > -c->rebuild / 4) return TRACK;
-    learn_doubt(g, moves);
-    return JUMP;
+    if (!is_upheaval && g->gain > -c->rebuild / 4) return TRACK;
+    g->gain = 0;
+    if (!is_upheaval) learn_doubt(g, early);
+    if (is_upheaval && !has_paid) return JUMP_OR_REBUILD;
+    if (foreseen_cost(g, job) < c->jump) return REBUILD;
+    return is_upheaval ? JUMP_OR_REBUILD : JUMP_OR_TRACK;
 }
 
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
@@ -122,7 +124,7 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
 {
     enum { FEW = 64 };
     const struct box_table *t = job->boxes;
-    int64_t leaving = 0, moves = 0, early = 0;
+    int64_t leaving = 0, early = 0;
     struct costs c = costs_of(g, job);
     if (!g->is_tracking) return g->is_jumping ? choose_untracked(g, job, &c) : REBUILD;
     for (size_t i = 0; i < misplaced; i++) {
@@ -130,8 +132,6 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
         leaving += !(b->flags & BOX_LIVE);
         early += b->level != NO_LEVEL && skin_age(b, g) < HORIZON_MOST;
     }
-    moves = (int64_t)misplaced - leaving;
-    c.track = cost_of_tracking(job, moves, leaving);
-    c.track_on = cost_of_tracking(job, early, 0);
+    c.track = cost_of_tracking(job, (int64_t)misplaced - leaving, leaving);
     return t->live <= FEW ? TRACK : choose_tracked(g, job, &c, early);
 }

@@ -744,7 +744,7 @@ static inline int skin_is_baggy(const struct box *b, const struct grid *g)
 
 /* ------ choose.c, rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
-enum way { TRACK, REBUILD, JUMP };
+enum way { TRACK, REBUILD, JUMP_OR_TRACK, JUMP_OR_REBUILD /* where a scene is not suited */ };
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };

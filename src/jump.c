@@ -289,14 +289,6 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
-/* From now on nothing is kept. */
-static void start_jumping(struct grid *g, struct job *job)
-{
-    msap_grid_empty(g, job->memory);
-    g->is_jumping = 1;
-    g->gain = 0;
-}
-
 /* Finds the pairs that overlap, and the events. Returns 0 without memory, and
  * UNSUITED, with nothing done, where there are many wide boxes. */
 int msap_grid_jump(struct grid *g, struct job *job)
@@ -313,7 +305,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
     size_t entries = count_rows(&j);
     g->wide = j.n_wide;
     if (j.n_wide > MOST_WIDE) return UNSUITED;
-    if (!g->is_jumping) start_jumping(g, job);
+    if (!g->is_jumping) msap_grid_empty(g, job->memory);
+    g->is_jumping = 1;
     g->moves = job->boxes->live;
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
     msap_sort_values(j.order, j.n, j.order + job->boxes->used);

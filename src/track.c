@@ -319,11 +319,11 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
     enum way way = way_by(strategy, g, job, misplaced);
     g->commit++;
-    if (way == JUMP) {
+    if (way == JUMP_OR_TRACK || way == JUMP_OR_REBUILD) {
         int done = msap_grid_jump(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
     }
-    if (way != TRACK) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (way == REBUILD || way == JUMP_OR_REBUILD) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (strategy == MSAP_STRATEGY_AUTO)
         strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
     return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
