@@ -15,8 +15,9 @@
  * quarter of it; then what is done costs at the most a few times what the best would have
  * come to, whatever the scene does. What they would save is told from how the boxes move.
  * Boxes that turn and tremble move more often than that says: how much more, when lists
- * were last given up, is remembered, and little by little forgotten. If motion says that
- * lists would pay once all boxes have a skin for it, they are made anew instead.
+ * last lost so much, is remembered, and little by little forgotten. If motion says that
+ * lists will pay once all boxes have a skin for it, they are kept. (To make all anew then
+ * would cost less, but all in one commit.)
  *
  * When so many boxes leave their places in one commit that it is cheaper to make all anew,
  * that is done if cells and lists have paid since they were made and will, or else all is
@@ -105,7 +106,7 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
 }
 
 /* While cells and lists are kept. `early` are the boxes that left a skin made for their motion:
- * if lists do not pay because of others, new skins may mend it. */
+ * if lists do not pay because of others, that will pass. */
 static enum way choose_tracked(struct grid *g, const struct job *job, const struct costs *c, int64_t early)
 {
     int has_paid = g->gain > 0, is_upheaval = c->track > c->rebuild;
@@ -113,10 +114,9 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
     if (!is_upheaval && g->gain > -c->rebuild / 4) return TRACK;
     g->gain = 0;
-    if (!is_upheaval) learn_doubt(g, early);
-    if (is_upheaval && !has_paid) return JUMP_OR_REBUILD;
-    if (foreseen_cost(g, job) < c->jump) return REBUILD;
-    return is_upheaval ? JUMP_OR_REBUILD : JUMP_OR_TRACK;
+    if (is_upheaval) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP_OR_REBUILD;
+    learn_doubt(g, early);
+    return foreseen_cost(g, job) < c->jump ? TRACK : JUMP_OR_TRACK;
 }
 
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
