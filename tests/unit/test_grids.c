@@ -526,18 +526,39 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
+/* Boxes that begin to walk leave their first skins in great numbers, but only once. */
+START_TEST(first_skins_do_not_count)
+{
+    session s;
+    int frame, tracked = 0;
+    open_crowd(&s, MSAP_MARGIN_AUTO);
+    for (frame = 0; frame < 20; frame++) {
+        step_all(&s, 0.02f);
+        right(session_commit(&s));
+        tracked += stats_of(s.world).cells > 0;
+    }
+    right(session_compare(&s));
+    ck_assert_int_eq(tracked, 20);
+    ck_assert_uint_eq(stats_of(s.world).sweeps, 1);
+    right(session_close(&s));
+}
+END_TEST
+
 /* Where very many boxes reach through all, cells are kept even if they do not pay. */
 START_TEST(giants_are_not_pruned)
 {
     session s;
     msap_handle giant;
     box all = box_of(0, 0, 0, 60, 60, 1);
+    uint64_t sweeps;
     int i;
     open_crowd(&s, MSAP_MARGIN_AUTO);
     for (i = 0; i < 70; i++)
         right(session_add(&s, &all, 0, &giant));
     right(session_commit(&s));
+    sweeps = stats_of(s.world).sweeps;
     ck_assert_int_eq(commits_that_track(&s, SOME | FAST, 0, 12), 12);
+    ck_assert_uint_eq(stats_of(s.world).sweeps, sweeps);
     ck_assert_int_eq(commits_that_track(&s, ALL | FAST, 0, 3), 3);
     right(session_close(&s));
 }
@@ -644,6 +665,7 @@ int main(void)
     }
     tcase_add_test(tests, cells_are_kept_while_they_pay);
     tcase_add_test(tests, motion_can_deceive);
+    tcase_add_test(tests, first_skins_do_not_count);
     tcase_add_test(tests, giants_are_not_pruned);
     tcase_add_loop_test(tests, work_follows_boxes_that_jump, 0, MSAP_STRATEGY_SWEEP + 1);
     tcase_add_loop_test(tests, work_follows_boxes_that_walk, 0, MSAP_STRATEGY_SWEEP + 1);
