@@ -231,10 +231,11 @@ static inline void box_change(struct box_table *t, uint32_t slot, const struct b
     if (!contains(&b->fat, &b->now)) box_mark_left(t, slot);
 }
 
-/* What overlaps nothing: the bounds before of a box that was not there. */
+/* What overlaps nothing, a box without bounds neither: the bounds before of a box that was not
+ * there. */
 #define NOWHERE \
     { \
-        {ORDERED_INF, ORDERED_INF, ORDERED_INF}, { ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF } \
+        {INT32_MAX, INT32_MAX, INT32_MAX}, { INT32_MIN, INT32_MIN, INT32_MIN } \
     }
 
 /* The box is in no cell. */

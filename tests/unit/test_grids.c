@@ -544,6 +544,33 @@ START_TEST(first_skins_do_not_count)
 }
 END_TEST
 
+/* Boxes that come while all are pruned make pairs with a box that is infinite on all axes, too,
+ * where that is in a row like others. */
+START_TEST(all_of_space_and_boxes_that_come)
+{
+    enum { BOXES = 100, QUIET = 6, COMMITS = 9 }; /* without many events, pairs are settled */
+    msap_config config = config_of(3, _i);
+    float infinity = float_of(0x7F800000);
+    box all = box_of(-infinity, -infinity, -infinity, infinity, infinity, infinity);
+    session s;
+    int i, frame;
+    right(session_open(&s, &config, 37, SCENE_SPREAD));
+    right(session_add(&s, &all, 0, &handles[BOXES]));
+    for (frame = 0; frame < COMMITS; frame++) {
+        for (i = 0; i < (frame < QUIET ? BOXES : 1); i++) {
+            box b = in_square(&s.random, 12, 4);
+            if (frame == 0 || frame > QUIET)
+                right(session_add(&s, &b, 0, &handles[i]));
+            else
+                right(session_update(&s, handles[i], &b));
+        }
+        right(session_commit(&s));
+        right(session_compare(&s));
+    }
+    right(session_close(&s));
+}
+END_TEST
+
 /* Where very many boxes reach through all, cells are kept even if they do not pay. */
 START_TEST(giants_are_not_pruned)
 {
@@ -666,6 +693,7 @@ int main(void)
     tcase_add_test(tests, cells_are_kept_while_they_pay);
     tcase_add_test(tests, motion_can_deceive);
     tcase_add_test(tests, first_skins_do_not_count);
+    tcase_add_loop_test(tests, all_of_space_and_boxes_that_come, 0, SETUPS);
     tcase_add_test(tests, giants_are_not_pruned);
     tcase_add_loop_test(tests, work_follows_boxes_that_jump, 0, MSAP_STRATEGY_SWEEP + 1);
     tcase_add_loop_test(tests, work_follows_boxes_that_walk, 0, MSAP_STRATEGY_SWEEP + 1);
