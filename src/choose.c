@@ -11,8 +11,8 @@
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
  * done as one who skis for an unknown number of days should rent or buy: they are made
- * when they would have saved as much as that costs, and given up when they have lost a
- * quarter of it; then what is done costs at the most a few times what the best would have
+ * when they would have saved as much as that costs, and given up when they have lost
+ * half of it; then what is done costs at the most a few times what the best would have
  * come to, whatever the scene does. What they would save is told from how the boxes move.
  * Boxes that turn and tremble move more often than that says: how much more, when lists
  * last lost so much, is remembered, and little by little forgotten. If motion says that
@@ -112,7 +112,7 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     int has_paid = g->gain > 0, is_upheaval = c->track > c->rebuild;
     g->gain += c->jump - c->track;
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
-    if (!is_upheaval && g->gain > -c->rebuild / 4) return TRACK;
+    if (!is_upheaval && g->gain > -c->rebuild / 2) return TRACK;
     g->gain = 0;
     if (is_upheaval) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP_OR_REBUILD;
     learn_doubt(g, early);
