@@ -114,9 +114,9 @@ static inline uint32_t cells_of_few(const struct span *s, uint32_t first, const 
              z = step_from(s->low[2], count[2], count[0] * count[1]), n = 1u << s->more[0];
     cell[0] = first + (s->low[2] * count[1] + s->low[1]) * count[0] + s->low[0];
     cell[1] = cell[0] + x;
-    for (int i = 0; i < 2; i++) cell[n + i] = cell[i] + y;
+    for (uint32_t i = 0; i < 2; i++) cell[n + i] = cell[i] + y;
     n <<= s->more[1];
-    for (int i = 0; i < 4; i++) cell[n + i] = cell[i] + z;
+    for (uint32_t i = 0; i < 4; i++) cell[n + i] = cell[i] + z;
     return n << s->more[2];
 }
 
