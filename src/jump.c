@@ -296,7 +296,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
     enum { COMMITS = 16 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
-    if (job->boxes->used > ROW_MOVES) return UNSUITED; /* a slot has no bits to spare */
+    if (job->boxes->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
+        return UNSUITED;              /* GCOVR_EXCL_LINE: the same */
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;

@@ -432,7 +432,7 @@ END_TEST
 
 /* --------------------------------------------------------------- the way of a commit */
 
-enum { CROWD = 2000, FAST = 1, FEW = 2, SOME = 4, ALL = 8 };
+enum { CROWD = 1000, FAST = 1, FEW = 2, SOME = 4, ALL = 8 };
 
 /* A field whose boxes move by a step: ALL, forth and back; SOME, every eighth one, back; FEW, every
  * sixteenth; FAST: far.
@@ -446,7 +446,7 @@ static int commits_that_track(session *s, int which, float step, int commits)
             if (!(which & ALL) && (i + frame) % (which & SOME ? 8 : 16) != 0)
                 continue;
             if (which & FAST)
-                at[i] = in_square(&s->random, 60, 1);
+                at[i] = in_square(&s->random, 42, 1);
             at[i].min[i % 3] += by;
             at[i].max[i % 3] += by;
             right(session_update(s, handles[i], &at[i]));
@@ -465,7 +465,7 @@ static void open_crowd(session *s, float margin)
     config.margin = margin;
     right(session_open(s, &config, 31, SCENE_SPREAD));
     for (i = 0; i < CROWD; i++) {
-        at[i] = in_square(&s->random, 60, 1);
+        at[i] = in_square(&s->random, 42, 1);
         right(session_add(s, &at[i], 0, &handles[i]));
     }
     right(session_commit(s));
