@@ -122,15 +122,14 @@ static inline size_t update_plain(struct box_table *table, const msap_handle *ha
         struct box *b = box_find(&t, handles[i], BOX_LIVE);
         uint32_t slot = slot_of(handles[i]);
         int is_within;
-        if (!b || b->changed_in == t.epoch) break;
+        if (!b || box_is_changed(&t, slot)) break;
         t.past[slot].before = b->now;
         if (!encode_within(load_floats(min, sizeof(float), dims), load_floats(max, sizeof(float), dims), &b->fat,
                            &b->now, &is_within)) {
             b->now = t.past[slot].before;
             break;
         }
-        b->changed_in = t.epoch;
-        t.changed[t.n_changed++] = slot;
+        box_list_changed(&t, slot);
         if (!is_within) box_mark_left(&t, slot);
     }
     table->n_changed = t.n_changed;
