@@ -651,6 +651,11 @@ struct row_sweep {
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
+/* Where a box was when it got its skin. */
+struct start {
+    int32_t min[3];
+};
+
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the
  * other one still holds boxes, they are moved over, some in each commit. */
@@ -665,8 +670,9 @@ struct grid {
     struct pool pool;      /* of the cells */
     struct near_lists near;
     uint32_t *tag; /* [slots] within a commit: `token` marks what was found for a box */
-    size_t slots;  /* of the box table that the arrays above are ready for */
-    size_t room_tag;
+    struct start *start; /* [slots] of the boxes in the grid */
+    size_t slots;        /* of the box table that the arrays above are ready for */
+    size_t room_tag, room_start;
     uint32_t token;
     uint32_t commit; /* counts commits, for the age of skins */
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */

@@ -14,6 +14,10 @@
  * outweighed the work of a move. And no skin reaches further than the box is large:
  * boxes that jump have none.
  *
+ * Far from the origin floats are coarse: a slow box stands still in most commits and then
+ * takes a step of a whole unit in the last place, on one axis or another. Where steps are
+ * so small, the motion is the mean one since the box got its last skin.
+ *
  * Only the speed depends on a skin, never the answer, as long as the fat bounds
  * contain the box; that is made sure on integers at the end. */
 #include "internal.h"
@@ -46,8 +50,26 @@ static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
     return t->at[slot].flags & BOX_WAS ? box_before(t, slot) : &t->at[slot].now;
 }
 
-/* How the box moved in this commit: its bounds, and how far they went down and up.
- * Infinite bounds make NaNs of what depends on them. */
+/* Where a box got its skin if its steps are so small that its mean motion since then says more,
+ * and after how many commits; or NULL. axes[k] becomes whether it is so on axis k. */
+static const struct start *crawls_from(const struct grid *g, uint32_t slot, int32_t axes[3], float *commits)
+{
+    enum { UNITS = 4 /* in the last place */ };
+    const struct box *b = &g->boxes->at[slot];
+    const struct bounds *before = moved_from(g->boxes, slot);
+    uint32_t age = skin_age(b, g), crawls = 0;
+    for (int k = 0; k < 3; k++) {
+        uint32_t low = (uint32_t)b->now.min[k] - (uint32_t)before->min[k] + UNITS;
+        uint32_t high = (uint32_t)b->now.max[k] - (uint32_t)before->max[k] + UNITS;
+        axes[k] = -(int32_t)(low <= 2 * UNITS);
+        crawls |= (uint32_t)axes[k] & ((low ^ UNITS) | (high ^ UNITS));
+    }
+    *commits = (float)age;
+    return crawls && b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? &g->start[slot] : NULL;
+}
+
+/* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
+ * it crawls, by all since it got its skin. Infinite bounds make NaNs of what depends on them. */
 #if defined(__SSE2__)
 
 struct motion {
@@ -69,24 +91,38 @@ static inline float largest(__m128 v)
     return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
 }
 
-static struct motion motion_of(const struct box_table *t, uint32_t slot)
+static inline __m128i choose(__m128i which, __m128i a, __m128i b)
+{
+    return _mm_or_si128(_mm_and_si128(which, a), _mm_andnot_si128(which, b));
+}
+
+static inline __m128 choose_floats(__m128i which, __m128 a, __m128 b)
+{
+    return _mm_castsi128_ps(choose(which, _mm_castps_si128(a), _mm_castps_si128(b)));
+}
+
+static struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
+    int32_t axes[4] = {0};
+    float commits;
+    const struct start *start = crawls_from(g, slot, axes, &commits);
     m.low = three_values(now->min);
     m.high = three_values(now->max);
     m.down = _mm_sub_ps(m.low, three_values(before->min));
     m.up = _mm_sub_ps(m.high, three_values(before->max));
+    if (start) {
+        const int32_t from[4] = {start->min[0], start->min[1], start->min[2], 0};
+        __m128 mean = _mm_div_ps(_mm_sub_ps(m.low, three_values(from)), _mm_set1_ps(commits));
+        m.down = choose_floats(load_bounds(axes), mean, m.down);
+        m.up = choose_floats(load_bounds(axes), mean, m.up);
+    }
     m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
     m.step = largest(
         _mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
     return m;
-}
-
-static inline __m128i choose(__m128i which, __m128i a, __m128i b)
-{
-    return _mm_or_si128(_mm_and_si128(which, a), _mm_andnot_si128(which, b));
 }
 
 /* Encoded, but never as a NaN. */
@@ -120,16 +156,20 @@ struct motion {
 static float larger(float a, float b) { return a > b ? a : b; }
 static float magnitude(float x) { return x < 0 ? -x : x; }
 
-static struct motion motion_of(const struct box_table *t, uint32_t slot)
+static struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
+    int32_t axes[3];
+    float commits;
+    const struct start *start = crawls_from(g, slot, axes, &commits);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
         m.low[k] = value_of(now->min[k]);
         m.high[k] = value_of(now->max[k]);
         m.down[k] = m.low[k] - value_of(before->min[k]);
         m.up[k] = m.high[k] - value_of(before->max[k]);
+        if (start && axes[k]) m.down[k] = m.up[k] = (m.low[k] - value_of(start->min[k])) / commits;
         m.size = larger(m.high[k] - m.low[k], m.size);
         m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }
@@ -186,18 +226,27 @@ static void follow(struct box *b, const struct motion *m, float part)
     reach_out(b, m, horizon, m->step * horizon * (float)b->wobble / 8);
 }
 
+/* The skin that a box is about to get starts in this commit, where the box is now; it counts as so
+ * many commits old. */
+static void start(const struct grid *g, uint32_t slot, uint32_t age)
+{
+    struct box *b = &g->boxes->at[slot];
+    b->since = (uint16_t)(g->commit - age);
+    memcpy(g->start[slot].min, b->now.min, sizeof g->start[slot].min);
+}
+
 /* Gives a box that has left its skin in this commit a new one. */
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain)
 {
     struct box *b = &g->boxes->at[slot];
-    uint32_t age = skin_age(b, g);
-    b->since = (uint16_t)g->commit;
     if (g->config->margin >= 0) {
+        start(g, slot, 0);
         b->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
-    struct motion m = motion_of(g->boxes, slot);
-    learn(b, age, vain);
+    struct motion m = motion_of(g, slot);
+    learn(b, skin_age(b, g), vain);
+    start(g, slot, 0);
     b->fat = b->now;
     follow(b, &m, spread(slot, g->commit));
 }
@@ -217,7 +266,7 @@ int msap_skin_is_far_wider(const struct box *b, const struct grid *g)
 /* For how many commits the skin would last that a box got in this one, if it moved on. */
 float msap_skin_lifetime(const struct grid *g, uint32_t slot)
 {
-    struct motion m = motion_of(g->boxes, slot);
+    struct motion m = motion_of(g, slot);
     float margin = g->config->margin, horizon;
     if (margin >= 0) {
         horizon = m.step * HORIZON_MOST <= margin ? HORIZON_MOST : margin / m.step;
@@ -236,14 +285,14 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
     struct box *b = &g->boxes->at[slot];
     b->horizon = HORIZON_FIRST;
     b->wobble = 1;
-    b->since = (uint16_t)(g->commit - HORIZON_MOST); /* however soon it is left, it was good enough */
+    start(g, slot, HORIZON_MOST); /* however soon it is left, it was good enough */
     if (g->config->margin >= 0) {
         b->fat = msap_bounds_widened(&b->now, g->config->margin);
         return;
     }
     b->fat = b->now;
     if (b->flags & BOX_STATIC) return;
-    struct motion m = motion_of(g->boxes, slot);
+    struct motion m = motion_of(g, slot);
     float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
     if (m.step > 0) follow(b, &m, part);
     else if (aside < FAR) reach_out(b, &m, 0, aside);
