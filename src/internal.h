@@ -62,7 +62,8 @@ static inline int pool_is_large(unsigned class) { return class >= POOL_CLASSES; 
 /* Arrays of units of so many bytes, a multiple of POOL_ALIGN. */
 struct pool {
     size_t unit;
-    size_t cut;                      /* units of the first slab that are not handed out yet */
+    size_t units;                    /* of all slabs */
+    size_t cut;                      /* of the first slab that are not handed out yet */
     struct slab *slabs;              /* in use; the first one is being cut */
     struct slab *spare;              /* not in use */
     struct slab *free[POOL_CLASSES]; /* arrays that were given back */

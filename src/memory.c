@@ -2,14 +2,38 @@
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT */
+#if defined(__linux__)
+#if !defined(_DEFAULT_SOURCE)
+#define _DEFAULT_SOURCE /* for madvise */
+#endif
+#include <sys/mman.h>
+#endif
+
 #include "internal.h"
 
 #include <stdlib.h>
 
+/* Worlds of very many boxes are read here and there, and of small pages a processor knows the places
+ * of few. So Linux is asked for huge ones, which also come faster, for what of the memory they
+ * fit into. */
+static void ask_for_huge_pages(void *memory, size_t size)
+{
+#if defined(MADV_HUGEPAGE)
+    const uintptr_t huge = 2097152, start = (uintptr_t)memory;
+    uintptr_t first = (start + huge - 1) / huge * huge, end = (start + size) / huge * huge;
+    if (memory && first < end) madvise((char *)memory + (first - start), end - first, MADV_HUGEPAGE);
+#else
+    (void)memory;
+    (void)size;
+#endif
+}
+
 static void *default_alloc(void *user, size_t size)
 {
+    void *memory = malloc(size);
     (void)user;
-    return malloc(size);
+    ask_for_huge_pages(memory, size);
+    return memory;
 }
 
 static void default_free(void *user, void *pointer, size_t size)

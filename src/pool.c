@@ -11,14 +11,15 @@
  * gives them back. */
 #include "internal.h"
 
-enum { SLAB_UNITS = 512 };
+enum { SLAB_HEAD = 64 /* bytes: arrays start at a cache line */, LEAST_SLAB = 512, SHARE = 32 };
 
-/* What stands at the beginning of a slab, and of a free array. */
+/* What stands at the beginning of a slab; of a free array, `next` alone. */
 struct slab {
     struct slab *next;
+    size_t units;
 };
 
-static size_t slab_bytes(const struct pool *p) { return POOL_ALIGN + SLAB_UNITS * p->unit; }
+static size_t slab_bytes(const struct pool *p, size_t units) { return SLAB_HEAD + units * p->unit; }
 
 static void push(struct slab **list, void *array)
 {
@@ -31,6 +32,17 @@ static void *pop(struct slab **list)
 {
     struct slab *s = *list;
     if (s) *list = s->next;
+    return s;
+}
+
+/* A slab with room for a thirty-second of what the pool has: so a large pool comes in large pieces. */
+static struct slab *new_slab(struct pool *p, struct memory *m)
+{
+    size_t units = p->units / SHARE > LEAST_SLAB ? p->units / SHARE : LEAST_SLAB;
+    struct slab *s = msap_memory_alloc(m, slab_bytes(p, units), 1);
+    if (!s) return NULL;
+    s->units = units;
+    p->units += units;
     return s;
 }
 
@@ -52,22 +64,23 @@ void msap_pool_empty(struct pool *p)
 /* Gives the memory of an emptied pool back. */
 void msap_pool_free(struct pool *p, struct memory *m)
 {
-    void *s;
+    struct slab *s;
     msap_pool_empty(p);
-    while ((s = pop(&p->spare)) != NULL) msap_memory_free(m, s, slab_bytes(p), 1);
+    while ((s = pop(&p->spare)) != NULL) msap_memory_free(m, s, slab_bytes(p, s->units), 1);
+    p->units = 0;
 }
 
 static void *cut(struct pool *p, struct memory *m, unsigned class)
 {
     size_t units = pool_units(class);
     if (p->cut < units) {
-        void *s = p->spare ? pop(&p->spare) : msap_memory_alloc(m, slab_bytes(p), 1);
+        struct slab *s = p->spare ? pop(&p->spare) : new_slab(p, m);
         if (!s) return NULL;
         push(&p->slabs, s);
-        p->cut = SLAB_UNITS;
+        p->cut = s->units;
     }
     p->cut -= units;
-    return (char *)p->slabs + POOL_ALIGN + p->cut * p->unit;
+    return (char *)p->slabs + SLAB_HEAD + p->cut * p->unit;
 }
 
 /* The class of the smallest arrays of so many units or more. */

@@ -12,9 +12,10 @@
  * 5. Every changed box touches all its neighbours (touch.c).
  *
  * Steps 2 to 4 are taken for a few boxes at a time, whose cells are still in the cache
- * when they are asked; for all at once where workers share the asking. Either comes to the
- * same, since what two boxes are to each other is decided anew by each that is moved, and
- * so by the last one of them, when both have their new fat bounds.
+ * when they are asked. It comes to the same as for all at once, since what two boxes are to
+ * each other is decided anew by each that is moved, and so by the last one of them, when
+ * both have their new fat bounds. (Two workers that shared the asking, for all at
+ * once, gained less than was lost in the cache.)
  *
  * A pair that overlaps now are neighbours after step 4, and are touched in step 5
  * if one of them changed. A pair that overlapped before were neighbours before, and
@@ -22,7 +23,7 @@
  * the cells and however wide the skins are; a pair seen in several cells is one
  * pair, since a list holds it once (II.3b).
  *
- * Steps 3 and 5 run on all workers. Where too many boxes would have to be put
+ * Step 5 runs on all workers. Where too many boxes would have to be put
  * elsewhere, one by one is not the way (choose.c). */
 #include "cells.h"
 
@@ -208,20 +209,6 @@ static size_t leave_first(struct grid *g, const struct job *job, size_t n, int b
 
 /* ---------------------------------------------------------- steps 3 and 4 */
 
-/* A part of the commit over a list of slots. */
-struct tracking {
-    struct grid *grid;
-    struct job *job;
-    const uint32_t *slot;
-};
-
-static void ask(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct tracking *t = context;
-    for (size_t i = first; i < last; i++)
-        msap_grid_query(t->grid, w, t->slot[i], is_static(&t->job->boxes->at[t->slot[i]]), 0, LEVELS);
-}
-
 /* Drops from the list of a box what is not tagged, and tags the rest as known. */
 static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
 {
@@ -272,15 +259,16 @@ static int is_near(const void *context, uint32_t a, uint32_t b)
 }
 
 /* Steps 2 to 4 for n slots. */
-static int relocate_all(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
+static int relocate_few(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
 {
-    struct keys *found = &job->crew->worker[0].pairs;
-    struct tracking t = {g, job, slot};
-    found->n = 0;
+    struct worker *own = &job->crew->worker[0];
+    const struct keys *found = &own->pairs;
+    own->pairs.n = 0;
     for (size_t i = 0; i < n; i++)
         if (!relocate(g, job, slot[i])) return 0;
-    if (!msap_phase_run(job->crew, job->memory, ask, &t, n, WEIGHT_QUERY + WEIGHT_FOUND * pairs_of_a_box(job)))
-        return 0;
+    for (size_t i = 0; i < n; i++)
+        msap_grid_query(g, own, slot[i], is_static(&job->boxes->at[slot[i]]), 0, LEVELS);
+    if (own->settler.lost) return 0;
     for (size_t i = 0, at = 0; i < n; i++)
         if (!renew_list(g, job, slot[i], found, &at)) return 0;
     msap_near_tidy(&g->near, is_near, g);
@@ -295,12 +283,11 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
     const uint32_t *left = job->boxes->left;
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
-    size_t most = job->crew->size > 1 ? misplaced : FEW;
     size_t gone = leave_first(g, job, misplaced, by_cell);
     msap_near_tidy(&g->near, is_near, g);
     for (size_t i = gone, n; i < misplaced; i += n) {
-        n = misplaced - i < most ? misplaced - i : most;
-        if (!relocate_all(g, job, left + i, n)) return 0;
+        n = misplaced - i < FEW ? misplaced - i : FEW;
+        if (!relocate_few(g, job, left + i, n)) return 0;
     }
     return msap_grid_touch(g, job);
 }
