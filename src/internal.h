@@ -87,7 +87,7 @@ struct keys {
 int msap_keys_reserve(struct keys *k, struct memory *m, size_t need);
 void msap_keys_free(struct keys *k, struct memory *m);
 void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
-void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch);
+void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch, float low, float extent);
 size_t msap_unique_keys(uint64_t *key, size_t n);
 
 /* ---------------------------------------------------------------- number.c */
@@ -361,6 +361,7 @@ static inline uint64_t key_make(int32_t value, uint32_t is_max, uint32_t box)
 {
     return (uint64_t)((uint32_t)value ^ 0x80000000u) << 32 | (uint64_t)is_max << 31 | box;
 }
+static inline int32_t key_value(uint64_t key) { return (int32_t)((uint32_t)(key >> 32) ^ 0x80000000u); }
 static inline uint32_t key_box(uint64_t key) { return (uint32_t)key & 0x7fffffffu; }
 /* A box's min is end point 2 * box, its max 2 * box + 1. */
 static inline uint32_t key_end(uint64_t key) { return (uint32_t)key << 1 | (uint32_t)key >> 31; }
@@ -616,7 +617,8 @@ struct layout {
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
     uint32_t axis[3]; /* the sweep axis first */
-    float scale[2];   /* on the axes across, as layout.scale */
+    float low, extent; /* most boxes lie from there on, within so much, on the sweep axis */
+    float scale[2];    /* on the axes across, as layout.scale */
     uint32_t count[2]; /* powers of two */
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
@@ -715,7 +717,8 @@ enum { WIDEST_CELL = 120 }; /* 2^WIDEST_CELL; wider ones would need a subnormal 
 /* What a sample of the boxes says about an axis. */
 struct spread {
     double size;   /* three in four boxes are not wider */
-    double extent; /* most centres lie within */
+    double low;    /* most boxes lie from here on */
+    double extent; /* within so much */
     int exponent;  /* a cell is 2^exponent wide */
 };
 void msap_spread_of(const struct box_table *boxes, struct spread s[3]);

@@ -69,7 +69,9 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
         if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
     }
     for (uint32_t k = 0; k < 3; k++) r->axis[k] = (finest_axis(s) + k) % 3;
-    struct spread *y = &s[r->axis[1]], *z = &s[r->axis[2]];
+    struct spread *x = &s[r->axis[0]], *y = &s[r->axis[1]], *z = &s[r->axis[2]];
+    r->low = (float)(x->low - x->extent / 8); /* with room for the others */
+    r->extent = (float)(x->extent * 1.25);
     for (; active < MOST_ACTIVE && msap_cells_on(y) * msap_cells_on(z) > 1; active *= 2)
         ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
     for (uint32_t k = 0; k < 2; k++) {
@@ -279,13 +281,13 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 static int place_arrays(struct jump *j)
 {
     size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
-    size_t words = 2 * slots + 2 * slots + slots / 2 + 1 + rows / 2 + 1;
+    size_t words = 3 * slots + 2 * slots + slots / 2 + 1 + rows / 2 + 1;
     uint64_t *at = msap_scratch_get(j->job->scratch, j->job->memory, words);
     if (!at) return 0;
     j->order = at;
-    j->range = (struct row_range *)(void *)(at + 2 * slots);
-    j->wide = (uint32_t *)(void *)(at + 4 * slots);
-    j->end = (uint32_t *)(void *)(at + 4 * slots + slots / 2 + 1);
+    j->range = (struct row_range *)(void *)(at + 3 * slots);
+    j->wide = (uint32_t *)(void *)(at + 5 * slots);
+    j->end = (uint32_t *)(void *)(at + 5 * slots + slots / 2 + 1);
     return 1;
 }
 
@@ -310,7 +312,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
-    msap_sort_values(j.order, j.n, j.order + job->boxes->used);
+    msap_sort_values(j.order, j.n, j.order + job->boxes->used, r->low, r->extent);
     j.set = g->row_set;
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
     list_rows(&j);

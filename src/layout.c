@@ -46,11 +46,12 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
     }
-    s->size = s->extent = 0;
+    s->size = s->low = s->extent = 0;
     if (n == 0) return;
     msap_sort_keys(size, n, scratch);
     msap_sort_keys(centre, n, scratch);
     s->size = unsorted(size[n - 1 - n / 4]);
+    s->low = unsorted(centre[n / 50]) - s->size / 2;
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }
 

@@ -7,6 +7,8 @@
  * of n keys that are spread over their range, log2 n bits and a few more tell nearly all
  * apart. What is then still out of order is inserted; where that is much, the keys are
  * not spread so, and all bits are sorted by. Few keys are sorted by insertion alone.
+ * The bits of floats are not spread even where the floats are: half of all patterns are for
+ * what lies between -1 and 1. So values are sorted by their steps along a line.
  * Without scratch memory a heap sort does the same in place, more slowly, so that no sort
  * can run out of memory. */
 #include "internal.h"
@@ -95,19 +97,26 @@ static inline size_t digit_of(uint64_t key, unsigned low, unsigned shift, size_t
     return (size_t)(packed >> shift) & mask;
 }
 
-/* Orders by the digit of so many bits from `shift` on, keeping the order of keys with the
- * same. */
-static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned low, unsigned shift, unsigned bits)
+/* Turns how many keys have each digit into where the first of them goes. */
+static void place_digits(uint32_t *place, size_t digits)
 {
-    uint32_t place[1 << DIGIT_MOST], sum = 0;
-    size_t mask = ((size_t)1 << bits) - 1;
-    memset(place, 0, (mask + 1) * sizeof *place);
-    for (size_t i = 0; i < n; i++) place[digit_of(from[i], low, shift, mask)]++;
-    for (size_t d = 0; d <= mask; d++) {
+    uint32_t sum = 0;
+    for (size_t d = 0; d < digits; d++) {
         uint32_t here = place[d];
         place[d] = sum;
         sum += here;
     }
+}
+
+/* Orders by the digit of so many bits from `shift` on, keeping the order of keys with the
+ * same. */
+static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned low, unsigned shift, unsigned bits)
+{
+    uint32_t place[1 << DIGIT_MOST];
+    size_t mask = ((size_t)1 << bits) - 1;
+    memset(place, 0, (mask + 1) * sizeof *place);
+    for (size_t i = 0; i < n; i++) place[digit_of(from[i], low, shift, mask)]++;
+    place_digits(place, mask + 1);
     for (size_t i = 0; i < n; i++) to[place[digit_of(from[i], low, shift, mask)]++] = from[i];
 }
 
@@ -127,34 +136,76 @@ static void radix_sort(uint64_t *key, size_t n, uint64_t *scratch, unsigned low,
     if (from != key) memcpy(key, from, n * sizeof *key);
 }
 
-/* Sorts keys of which the lowest `low` of the low halves tell; the others are in order, or
- * the same. */
-static void sort_by(uint64_t *key, size_t n, uint64_t *scratch, unsigned low, struct difference d)
-{
-    enum { MORE_BITS = 7, PLACES = 2 };
-    unsigned all = low + d.high, enough = bits_in((uint32_t)n) + MORE_BITS;
-    radix_sort(key, n, scratch, low, all, all < enough ? all : enough);
-    if (!insertion_sort(key, n, PLACES * n)) radix_sort(key, n, scratch, d.low, d.low + d.high, d.low + d.high);
-}
-
-enum { FEW = 32 };
+enum { FEW = 32, PLACES = 2 /* for a key, that others move when it is inserted */ };
 
 /* Sorts key[n] upwards, n below 2^32. scratch has room for n keys, or is NULL. */
 void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
 {
+    enum { MORE_BITS = 7 };
     if (n <= FEW) insertion_sort(key, n, SIZE_MAX);
     else if (!scratch) heap_sort(key, n);
     else {
         struct difference d = difference_of(key, n);
-        sort_by(key, n, scratch, d.low, d);
+        unsigned all = d.low + d.high, enough = bits_in((uint32_t)n) + MORE_BITS;
+        radix_sort(key, n, scratch, d.low, all, all < enough ? all : enough);
+        if (!insertion_sort(key, n, PLACES * n)) radix_sort(key, n, scratch, d.low, all, all);
     }
 }
 
-/* The same for keys whose low halves are in order. */
-void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch)
+/* ------------------------------------------------------------------ values */
+
+enum { STEP_DIGIT = 11 /* bits at the most */ };
+
+/* Steps of values along a line: `scale` to a unit from `low` on, 0 to `last`. */
+struct line {
+    float low, scale, last;
+};
+
+/* The value of a key_make. A higher one has no lower step, however the machine rounds. */
+static inline uint32_t step_of(struct line line, uint64_t key)
 {
-    if (n <= FEW) insertion_sort(key, n, SIZE_MAX);
-    else sort_by(key, n, scratch, 0, difference_of(key, n));
+    float step = (float_from_bits(float_bits_from_ordered(key_value(key))) - line.low) * line.scale;
+    step = step > 0 ? step : 0;
+    return (uint32_t)(step < line.last ? step : line.last);
+}
+
+/* Orders by steps of two digits of so many bits: by the lower digit, then by the upper one. scratch has room
+ * for 2 n. */
+static void sort_by_steps(uint64_t *key, size_t n, uint64_t *scratch, struct line line, unsigned digit)
+{
+    uint32_t lower[1 << STEP_DIGIT], upper[1 << STEP_DIGIT], digits = 1u << digit, mask = digits - 1;
+    uint32_t *step = (uint32_t *)(void *)(scratch + n), *sorted_step = step + n;
+    memset(lower, 0, digits * sizeof *lower);
+    memset(upper, 0, digits * sizeof *upper);
+    for (size_t i = 0; i < n; i++) {
+        step[i] = step_of(line, key[i]);
+        lower[step[i] & mask]++;
+        upper[step[i] >> digit]++;
+    }
+    place_digits(lower, digits);
+    place_digits(upper, digits);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t at = lower[step[i] & mask]++;
+        scratch[at] = key[i];
+        sorted_step[at] = step[i];
+    }
+    for (size_t i = 0; i < n; i++) key[upper[sorted_step[i] >> digit]++] = scratch[i];
+}
+
+/* Sorts keys that are values above and slots below, as key_make has them, the slots being in order.
+ * Most values lie within `extent` from `low` on. scratch has room for 2 n. */
+void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch, float low, float extent)
+{
+    enum { MORE_BITS = 4 };
+    const float least = 1e-30f, most = 1e30f;
+    unsigned digit = (bits_in((uint32_t)n) + MORE_BITS + 1) / 2;
+    if (n > FEW && digit <= STEP_DIGIT && extent > least && extent < most) {
+        float steps = (float)(1u << 2 * digit);
+        struct line line = {low, steps / extent, steps - 1};
+        sort_by_steps(key, n, scratch, line, digit);
+        if (insertion_sort(key, n, PLACES * n)) return;
+    }
+    msap_sort_keys(key, n, scratch);
 }
 
 /* Drops the repeats of a sorted array; returns how many keys are left. */
