@@ -526,6 +526,48 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
+/* How many boxes are put elsewhere in 60 commits, and at how many pairs those look, once a crowd has drifted
+ * for as many. */
+static void drift(float from, uint64_t *moves, uint64_t *looks)
+{
+    msap_config config = config_of(3, DEFAULT);
+    session s;
+    int i, frame;
+    *moves = *looks = 0;
+    right(session_open(&s, &config, 31, SCENE_SPREAD));
+    for (i = 0; i < CROWD; i++)
+        at[i] = in_square(&s.random, 64, 1);
+    for (frame = 0; frame < 120; frame++) {
+        for (i = 0; i < CROWD; i++) {
+            float x = from + at[i].min[0] + (float)(i % 3 + 1) * 0.0137f * (float)frame;
+            float y = from + at[i].min[1] + (float)(i % 5 - 2) * 0.0119f * (float)frame;
+            box b = box_of(x, y, 0, x + 1, y + 1, 1);
+            if (frame == 0)
+                right(session_add(&s, &b, 0, &handles[i]));
+            else
+                right(session_update(&s, handles[i], &b));
+        }
+        right(session_commit(&s));
+        *moves += frame < 60 ? 0 : stats_of(s.world).moves;
+        *looks += frame < 60 ? 0 : stats_of(s.world).touched;
+    }
+    right(session_compare(&s));
+    right(session_close(&s));
+}
+
+/* Where floats are so far apart that a box stands still and then makes a step, it moves as smoothly as
+ * elsewhere in the long run, and its skin is made for that. */
+START_TEST(boxes_that_crawl_far_away)
+{
+    uint64_t near_moves, near_looks, far_moves, far_looks;
+    drift(0, &near_moves, &near_looks);
+    drift(524288, &far_moves, &far_looks); /* floats are a sixteenth apart */
+    ck_assert_msg(far_moves <= near_moves * 3 / 2 && far_looks <= near_looks * 3 / 2,
+                  "%lu moves near, %lu far; %lu pairs looked at near, %lu far", (unsigned long)near_moves,
+                  (unsigned long)far_moves, (unsigned long)near_looks, (unsigned long)far_looks);
+}
+END_TEST
+
 /* Boxes that begin to walk leave their first skins in great numbers, but only once. */
 START_TEST(first_skins_do_not_count)
 {
@@ -692,6 +734,7 @@ int main(void)
     }
     tcase_add_test(tests, cells_are_kept_while_they_pay);
     tcase_add_test(tests, motion_can_deceive);
+    tcase_add_test(tests, boxes_that_crawl_far_away);
     tcase_add_test(tests, first_skins_do_not_count);
     tcase_add_loop_test(tests, all_of_space_and_boxes_that_come, 0, SETUPS);
     tcase_add_test(tests, giants_are_not_pruned);

@@ -452,8 +452,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Few keys and many, with repeats and without, with memory to sort in and without; those
- * that are sorted by their high halves come in the order of their low ones. Keys that differ
+/* Few keys and many, with repeats and without, with memory to sort in and without. Keys that differ
  * in few bits high up and many low down crowd where the upper bits tell nothing apart. */
 START_TEST(keys_are_sorted)
 {
@@ -464,22 +463,49 @@ START_TEST(keys_are_sorted)
     size_t n, i;
     for (n = 0; n < MOST; n += 1 + n / 3) {
         int way;
-        for (way = 0; way < 9; way++) {
-            int is_by_value = way % 3 == 2;
+        for (way = 0; way < 6; way++) {
             for (i = 0; i < n; i++) {
                 uint64_t crowded = i % 500 == 499 ? (uint64_t)3 << 62 : 0;
-                key[i] = random_next(&random) & mask[way / 3];
-                if (way / 3 == 2)
+                key[i] = random_next(&random) & mask[way / 2];
+                if (way / 2 == 2)
                     key[i] |= crowded;
-                if (is_by_value)
-                    key[i] = (key[i] & ~(uint64_t)UINT32_MAX) | i;
                 expected[i] = key[i];
             }
             qsort(expected, n, sizeof *expected, compare_keys);
-            if (is_by_value)
-                msap_sort_values(key, n, scratch);
-            else
-                msap_sort_keys(key, n, way % 3 == 0 ? scratch : NULL);
+            msap_sort_keys(key, n, way % 2 == 0 ? scratch : NULL);
+            for (i = 0; i < n; i++)
+                ck_assert_uint_eq(key[i], expected[i]);
+        }
+    }
+}
+END_TEST
+
+/* Values of all kinds, in the order of the lower halves of their keys: on the line that they are said to
+ * lie on, beyond both of its ends, in a crowd, all the same, infinite, any bits; and lines that
+ * are none. */
+START_TEST(values_are_sorted)
+{
+    enum { MOST = 3000, KINDS = 5, LINES = 6 };
+    static uint64_t key[MOST], expected[MOST], scratch[2 * MOST];
+    static const float line[LINES][2] = {{-50, 100}, {-5, 10}, {3e38f, 1}, {0, 0}, {0, 1e38f}, {0, 1e-38f}};
+    uint64_t random = 3;
+    size_t n, i;
+    for (n = 0; n < MOST; n += 1 + n / 3) {
+        int way;
+        for (way = 0; way < KINDS * LINES; way++) {
+            int kind = way / LINES;
+            for (i = 0; i < n; i++) {
+                float value = (float)random_below(&random, 100000) / 1000 - 50;
+                value = kind == 1 && i % 4 ? 0.0001f * value : kind == 2 ? 1 : value;
+                if (kind >= 3 && i % 5 == 0)
+                    value = float_of(i % 2 ? 0x7F800000 : 0xFF800000);
+                key[i] = key_make(ordered_from_float_bits(bits_of(value)), 0, (uint32_t)i);
+                if (kind == 4)
+                    key[i] = (random_next(&random) & ~(uint64_t)UINT32_MAX) | i;
+                expected[i] = key[i];
+            }
+            qsort(expected, n, sizeof *expected, compare_keys);
+            msap_sort_values(key, n, scratch, line[way % LINES][0], line[way % LINES][1]);
             for (i = 0; i < n; i++)
                 ck_assert_uint_eq(key[i], expected[i]);
         }
@@ -585,6 +611,7 @@ int main(void)
     tcase_add_loop_test(tests, tokens_end, 0, SETUPS);
     tcase_add_test(tests, numbers_of_cells_end);
     tcase_add_test(tests, keys_are_sorted);
+    tcase_add_test(tests, values_are_sorted);
     tcase_add_loop_test(tests, any_allocation_of_a_phase_may_fail, 0, 2);
     return run_case(tests, "internals");
 }
