@@ -480,36 +480,42 @@ START_TEST(keys_are_sorted)
 }
 END_TEST
 
+enum { KINDS = 5, LINES = 6, MOST_VALUES = 300000 };
+
+/* Sorts n values of a kind by one of the lines, and by its whole keys to compare. */
+static void sort_values(int kind, int by, size_t n, uint64_t *random)
+{
+    static uint64_t key[MOST_VALUES], expected[MOST_VALUES], scratch[2 * MOST_VALUES];
+    static const float line[LINES][2] = {{-50, 100}, {-5, 10}, {3e38f, 1}, {0, 0}, {0, 1e38f}, {0, 1e-38f}};
+    size_t i;
+    for (i = 0; i < n; i++) {
+        float value = (float)random_below(random, 100000) / 1000 - 50;
+        value = kind == 1 && i % 4 ? 0.0001f * value : kind == 2 ? 1 : value;
+        if (kind >= 3 && i % 5 == 0)
+            value = float_of(i % 2 ? 0x7F800000 : 0xFF800000);
+        key[i] = key_make(ordered_from_float_bits(bits_of(value)), 0, (uint32_t)i);
+        if (kind == 4)
+            key[i] = (random_next(random) & ~(uint64_t)UINT32_MAX) | i;
+        expected[i] = key[i];
+    }
+    qsort(expected, n, sizeof *expected, compare_keys);
+    msap_sort_values(key, n, scratch, line[by][0], line[by][1]);
+    for (i = 0; i < n; i++)
+        ck_assert_uint_eq(key[i], expected[i]);
+}
+
 /* Values of all kinds, in the order of the lower halves of their keys: on the line that they are said to
- * lie on, beyond both of its ends, in a crowd, all the same, infinite, any bits; and lines that
- * are none. */
+ * lie on, beyond both of its ends, in a crowd, all the same, infinite, any bits; lines that are
+ * none; and more values than have steps. */
 START_TEST(values_are_sorted)
 {
-    enum { MOST = 3000, KINDS = 5, LINES = 6 };
-    static uint64_t key[MOST], expected[MOST], scratch[2 * MOST];
-    static const float line[LINES][2] = {{-50, 100}, {-5, 10}, {3e38f, 1}, {0, 0}, {0, 1e38f}, {0, 1e-38f}};
     uint64_t random = 3;
-    size_t n, i;
-    for (n = 0; n < MOST; n += 1 + n / 3) {
-        int way;
-        for (way = 0; way < KINDS * LINES; way++) {
-            int kind = way / LINES;
-            for (i = 0; i < n; i++) {
-                float value = (float)random_below(&random, 100000) / 1000 - 50;
-                value = kind == 1 && i % 4 ? 0.0001f * value : kind == 2 ? 1 : value;
-                if (kind >= 3 && i % 5 == 0)
-                    value = float_of(i % 2 ? 0x7F800000 : 0xFF800000);
-                key[i] = key_make(ordered_from_float_bits(bits_of(value)), 0, (uint32_t)i);
-                if (kind == 4)
-                    key[i] = (random_next(&random) & ~(uint64_t)UINT32_MAX) | i;
-                expected[i] = key[i];
-            }
-            qsort(expected, n, sizeof *expected, compare_keys);
-            msap_sort_values(key, n, scratch, line[way % LINES][0], line[way % LINES][1]);
-            for (i = 0; i < n; i++)
-                ck_assert_uint_eq(key[i], expected[i]);
-        }
-    }
+    size_t n;
+    int way;
+    for (n = 0; n < 3000; n += 1 + n / 3)
+        for (way = 0; way < KINDS * LINES; way++)
+            sort_values(way / LINES, way % LINES, n, &random);
+    sort_values(0, 0, MOST_VALUES, &random);
 }
 END_TEST
 
