@@ -281,13 +281,13 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 static int place_arrays(struct jump *j)
 {
     size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
-    size_t words = 3 * slots + 2 * slots + slots / 2 + 1 + rows / 2 + 1;
+    size_t words = 3 * slots + slots + slots / 2 + 1 + rows / 2 + 1; /* a range is one */
     uint64_t *at = msap_scratch_get(j->job->scratch, j->job->memory, words);
     if (!at) return 0;
     j->order = at;
     j->range = (struct row_range *)(void *)(at + 3 * slots);
-    j->wide = (uint32_t *)(void *)(at + 5 * slots);
-    j->end = (uint32_t *)(void *)(at + 5 * slots + slots / 2 + 1);
+    j->wide = (uint32_t *)(void *)(at + 4 * slots);
+    j->end = (uint32_t *)(void *)(at + 4 * slots + slots / 2 + 1);
     return 1;
 }
 
