@@ -455,7 +455,6 @@ enum {
     WEIGHT_KNOWN = 1,    /* a known pair */
     WEIGHT_FILL = 1,     /* a box that is written into a row */
     WEIGHT_ROW_BOX = 2,  /* a box in the rows that are swept */
-    WEIGHT_FOUND = 2,    /* a pair of a box that asks its cells */
     WEIGHT_LEVELS = 4,   /* a box that asks other levels, where most need not */
     WEIGHT_SKIN = 6,     /* a skin that is fitted */
     WEIGHT_CELL_BOX = 8, /* a box in the cells that are swept */

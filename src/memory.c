@@ -14,8 +14,7 @@
 #include <stdlib.h>
 
 /* Worlds of very many boxes are read here and there, and of small pages a processor knows the places
- * of few. So Linux is asked for huge ones, which also come faster, for what of the memory they
- * fit into. */
+ * of few. So Linux is asked for huge ones, for what of the memory they fit into. */
 static void ask_for_huge_pages(void *memory, size_t size)
 {
 #if defined(MADV_HUGEPAGE)

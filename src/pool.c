@@ -11,15 +11,15 @@
  * gives them back. */
 #include "internal.h"
 
-enum { SLAB_HEAD = 64 /* bytes: arrays start at a cache line */, LEAST_SLAB = 512, SHARE = 32 };
+enum { LEAST_SLAB = 512, SHARE = 32 };
 
-/* What stands at the beginning of a slab; of a free array, `next` alone. */
+/* What stands at the beginning of a slab, in POOL_ALIGN bytes; of a free array, `next` alone. */
 struct slab {
     struct slab *next;
     size_t units;
 };
 
-static size_t slab_bytes(const struct pool *p, size_t units) { return SLAB_HEAD + units * p->unit; }
+static size_t slab_bytes(const struct pool *p, size_t units) { return POOL_ALIGN + units * p->unit; }
 
 static void push(struct slab **list, void *array)
 {
@@ -80,7 +80,7 @@ static void *cut(struct pool *p, struct memory *m, unsigned class)
         p->cut = s->units;
     }
     p->cut -= units;
-    return (char *)p->slabs + SLAB_HEAD + p->cut * p->unit;
+    return (char *)p->slabs + POOL_ALIGN + p->cut * p->unit;
 }
 
 /* The class of the smallest arrays of so many units or more. */

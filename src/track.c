@@ -14,8 +14,7 @@
  * Steps 2 to 4 are taken for a few boxes at a time, whose cells are still in the cache
  * when they are asked. It comes to the same as for all at once, since what two boxes are to
  * each other is decided anew by each that is moved, and so by the last one of them, when
- * both have their new fat bounds. (Two workers that shared the asking, for all at
- * once, gained less than was lost in the cache.)
+ * both have their new fat bounds.
  *
  * A pair that overlaps now are neighbours after step 4, and are touched in step 5
  * if one of them changed. A pair that overlapped before were neighbours before, and

@@ -526,6 +526,15 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
+/* Adds box i of a scene or, from then on, updates it. */
+static void put(session *s, int i, const box *b, int is_new)
+{
+    if (is_new)
+        right(session_add(s, b, 0, &handles[i]));
+    else
+        right(session_update(s, handles[i], b));
+}
+
 /* How many boxes are put elsewhere in 60 commits, and at how many pairs those look, once a crowd has drifted
  * for as many. */
 static void drift(float from, uint64_t *moves, uint64_t *looks)
@@ -542,10 +551,7 @@ static void drift(float from, uint64_t *moves, uint64_t *looks)
             float x = from + at[i].min[0] + (float)(i % 3 + 1) * 0.0137f * (float)frame;
             float y = from + at[i].min[1] + (float)(i % 5 - 2) * 0.0119f * (float)frame;
             box b = box_of(x, y, 0, x + 1, y + 1, 1);
-            if (frame == 0)
-                right(session_add(&s, &b, 0, &handles[i]));
-            else
-                right(session_update(&s, handles[i], &b));
+            put(&s, i, &b, frame == 0);
         }
         right(session_commit(&s));
         *moves += frame < 60 ? 0 : stats_of(s.world).moves;
@@ -601,10 +607,7 @@ START_TEST(all_of_space_and_boxes_that_come)
     for (frame = 0; frame < COMMITS; frame++) {
         for (i = 0; i < (frame < QUIET ? BOXES : 1); i++) {
             box b = in_square(&s.random, 12, 4);
-            if (frame == 0 || frame > QUIET)
-                right(session_add(&s, &b, 0, &handles[i]));
-            else
-                right(session_update(&s, handles[i], &b));
+            put(&s, i, &b, frame == 0 || frame > QUIET);
         }
         right(session_commit(&s));
         right(session_compare(&s));
