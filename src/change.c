@@ -1,4 +1,4 @@
-/* Adding, updating and removing boxes: check everything, then change everything.
+/* Adding and removing boxes: check everything, then change everything.
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
@@ -6,21 +6,6 @@
  * A single call is a batch of one. A batch is applied whole or not at all: what it did
  * before the first offender is undone. */
 #include "internal.h"
-
-/* Opens a call that changes the world, which msap_world.busy marks until it ends. */
-static msap_status begin(msap_world *w)
-{
-    if (!w) return MSAP_ERROR_NULL;
-    if (w->busy) return msap_world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    w->busy = 1;
-    return MSAP_OK;
-}
-
-static msap_status end(msap_world *w, msap_status status)
-{
-    w->busy = 0;
-    return status;
-}
 
 /* ------------------------------------------------------------------- adding */
 
@@ -82,8 +67,8 @@ static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, co
 msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, const uint32_t *flags,
                           void *const *user_data, msap_handle *handles)
 {
-    msap_status status = begin(world);
-    return status == MSAP_OK ? end(world, add_many(world, k, boxes, flags, user_data, handles)) : status;
+    msap_status status = msap_world_begin(world);
+    return status == MSAP_OK ? msap_world_end(world, add_many(world, k, boxes, flags, user_data, handles)) : status;
 }
 
 msap_status msap_add(msap_world *world, const float *min, const float *max, uint32_t flags, void *user_data,
@@ -91,108 +76,6 @@ msap_status msap_add(msap_world *world, const float *min, const float *max, uint
 {
     msap_boxes one = msap_boxes_of_one(min, max);
     return msap_add_many(world, 1, &one, &flags, &user_data, handle);
-}
-
-/* ----------------------------------------------------------------- updating */
-
-/* Puts the first n boxes of a batch back: those that it put on the lists, behind the first
- * `n_changed` and `n_left`, were as at the last commit. */
-static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
-{
-    while (t->n_changed > n_changed) {
-        uint32_t slot = t->changed[--t->n_changed];
-        t->at[slot].now = t->past[slot].before;
-        t->at[slot].flags &= ~(uint32_t)BOX_LEFT;
-        t->at[slot].changed_in = 0;
-    }
-    t->n_left = n_left;
-}
-
-/* Updates the boxes of a batch from the i-th on, as long as each is live, was not changed yet and
- * gets legal bounds, which are floats side by side: nearly always all of them, so all that loops
- * need not ask is asked before. Returns the first that is not such a box. */
-static inline size_t update_plain(struct box_table *table, const msap_handle *handles, const msap_boxes *from,
-                                  size_t i, size_t k, uint32_t dims)
-{
-    struct box_table t = *table;
-    const ptrdiff_t row_min = from->min_row, row_max = from->max_row;
-    const char *min = (const char *)from->min + (ptrdiff_t)i * row_min,
-               *max = (const char *)from->max + (ptrdiff_t)i * row_max;
-    for (; i < k; i++, min += row_min, max += row_max) {
-        struct box *b = box_find(&t, handles[i], BOX_LIVE);
-        uint32_t slot = slot_of(handles[i]);
-        int is_within;
-        if (!b || box_is_changed(&t, slot)) break;
-        t.past[slot].before = b->now;
-        if (!encode_within(load_floats(min, sizeof(float), dims), load_floats(max, sizeof(float), dims), &b->fat,
-                           &b->now, &is_within)) {
-            b->now = t.past[slot].before;
-            break;
-        }
-        box_list_changed(&t, slot);
-        if (!is_within) box_mark_left(&t, slot);
-    }
-    table->n_changed = t.n_changed;
-    table->n_left = t.n_left;
-    return i;
-}
-
-/* Updates the boxes of a batch that were not changed yet, and checks the others, of
- * which *others becomes the number. */
-static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes,
-                                    size_t *others)
-{
-    const msap_boxes from = *boxes;
-    uint32_t dims = w->config.dims;
-    int is_plain = from.scalar == MSAP_FLOAT && from.min_component == sizeof(float) &&
-                   from.max_component == sizeof(float);
-    size_t n_changed = w->boxes.n_changed, n_left = w->boxes.n_left;
-    for (size_t i = 0; i < k; i++) {
-        struct bounds bounds;
-        uint32_t bound = MSAP_NO_BOUND;
-        if (is_plain && dims == 3) i = update_plain(&w->boxes, handles, &from, i, k, 3);
-        else if (is_plain) i = update_plain(&w->boxes, handles, &from, i, k, 2);
-        if (i == k) break;
-        msap_status status = MSAP_ERROR_HANDLE;
-        if (box_find(&w->boxes, handles[i], BOX_LIVE)) status = bounds_read(&from, i, dims, &bounds, &bound);
-        if (status == MSAP_OK && box_is_changed(&w->boxes, slot_of(handles[i]))) ++*others;
-        else if (status == MSAP_OK) box_change(&w->boxes, slot_of(handles[i]), &bounds);
-        if (status != MSAP_OK) {
-            undo_update(&w->boxes, n_changed, n_left);
-            return msap_world_fail(w, status, i, bound);
-        }
-    }
-    return MSAP_OK;
-}
-
-/* Once all are known to be legal, those that had been changed before are done in a
- * second pass; the last update of a box is the last in either. */
-static msap_status update_many(msap_world *w, size_t k, const msap_handle *handles, const msap_boxes *boxes)
-{
-    size_t others = 0;
-    msap_status status = msap_boxes_check(boxes, k);
-    if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
-    if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
-    status = update_unchanged(w, k, handles, boxes, &others);
-    for (size_t i = 0; i < k && others > 0 && status == MSAP_OK; i++) {
-        struct bounds bounds;
-        uint32_t bound;
-        if (bounds_read(boxes, i, w->config.dims, &bounds, &bound) == MSAP_OK) /* GCOVR_EXCL_BR_LINE: as before */
-            box_change(&w->boxes, slot_of(handles[i]), &bounds);
-    }
-    return status;
-}
-
-msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles, const msap_boxes *boxes)
-{
-    msap_status status = begin(world);
-    return status == MSAP_OK ? end(world, update_many(world, k, handles, boxes)) : status;
-}
-
-msap_status msap_update(msap_world *world, msap_handle handle, const float *min, const float *max)
-{
-    msap_boxes one = msap_boxes_of_one(min, max);
-    return msap_update_many(world, 1, &handle, &one);
 }
 
 /* ----------------------------------------------------------------- removing */
@@ -222,8 +105,8 @@ static msap_status remove_many(msap_world *w, size_t k, const msap_handle *handl
 
 msap_status msap_remove_many(msap_world *world, size_t k, const msap_handle *handles)
 {
-    msap_status status = begin(world);
-    return status == MSAP_OK ? end(world, remove_many(world, k, handles)) : status;
+    msap_status status = msap_world_begin(world);
+    return status == MSAP_OK ? msap_world_end(world, remove_many(world, k, handles)) : status;
 }
 
 msap_status msap_remove(msap_world *world, msap_handle handle) { return msap_remove_many(world, 1, &handle); }

@@ -42,8 +42,9 @@ static void forget_events(struct settler *s)
 /* Steps 1 and 2: fills the lists of events. */
 static msap_status find_events(msap_world *w)
 {
-    struct settler *s = &w->crew.worker[0].settler;
-    struct job job = {&w->boxes, &w->pairs, s, &w->memory, &w->scratch, &w->crew, w->config.filters};
+    struct worker *own = &w->crew.worker[0];
+    struct settler *s = &own->settler;
+    struct job job = {&w->boxes, &w->pairs, own, &w->memory, &w->scratch, &w->crew, w->config.filters};
     s->boxes = &w->boxes;
     s->memory = &w->memory;
     s->has_repeats = !is_grid(&w->config);

@@ -67,8 +67,8 @@ static void find_events(struct settler *s, const struct keys *before, const stru
  * and as often as they were found. Returns 0 without memory. */
 int msap_compare(struct grid *g, struct job *job)
 {
-    struct keys *now = &job->crew->worker[0].pairs, before;
-    struct settler *s = job->settler;
+    struct keys *now = &job->worker->pairs, before;
+    struct settler *s = &job->worker->settler;
     if (!list_known(g, job) || !msap_keys_reserve(&s->fresh, job->memory, now->n)) return 0;
     s->touched += g->known.n + now->n;
     msap_sort_keys(now->at, now->n, msap_scratch_get(job->scratch, job->memory, now->n));

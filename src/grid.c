@@ -75,11 +75,9 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
     if (slots <= had) return 1;
     if (slots > SIZE_MAX / 2 - 8) return 0;
     if (!msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
-        !msap_memory_reserve(m, &g->tag, &g->room_tag, slots, had, sizeof *g->tag) ||
         !msap_memory_reserve(m, &g->start, &g->room_start, slots, had, sizeof *g->start))
         return 0;
     memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
-    memset(g->tag + had, 0, (slots - had) * sizeof *g->tag);
     g->slots = slots;
     return 1;
 }
@@ -116,7 +114,6 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     g->rows.chosen_for = 0;
     g->slots = slots;
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
-    msap_memory_shrink(m, &g->tag, &g->room_tag, slots, sizeof *g->tag);
     msap_memory_shrink(m, &g->start, &g->room_start, slots, sizeof *g->start);
 }
 
@@ -124,12 +121,24 @@ void msap_grid_free(struct grid *g, struct memory *m)
 {
     msap_grid_trim(g, m, g->slots);
     msap_memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
-    msap_memory_free(m, g->tag, g->room_tag, sizeof *g->tag);
     msap_memory_free(m, g->start, g->room_start, sizeof *g->start);
     memset(g, 0, sizeof *g);
 }
 
 /* -------------------------------------------------- entering, kept and left */
+
+static inline struct cell_walk cells_of(struct layout *l, uint32_t level, struct range base)
+{
+    return cell_walk(&l->level[level], range_on(l, base, level));
+}
+
+/* Writes a box into cells. Returns 0 without memory. */
+static int enter(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct cell_walk w)
+{
+    for (struct cell *c; (c = cell_next(&w)) != NULL;)
+        if (!msap_cell_insert(c, &g->pool, m, &g->boxes->at[slot].fat, slot, is_static)) return 0;
+    return 1;
+}
 
 /* Puts a box that has its fat bounds, layout and level into its cells: base, as
  * msap_range_of gives them. Returns 0 without memory. */
@@ -137,12 +146,15 @@ int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static
 {
     struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
-    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
-    for (struct cell *c; (c = cell_next(&w)) != NULL;)
-        if (!msap_cell_insert(c, &g->pool, m, &p->fat, slot, is_static)) return 0;
+    if (!enter(g, m, slot, is_static, cells_of(l, p->level, base))) return 0;
     l->level[p->level].boxes++;
     l->boxes++;
     return 1;
+}
+
+static void exit_from(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct cell_walk w)
+{
+    for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
 }
 
 /* Takes a box out of its cells. */
@@ -150,8 +162,7 @@ void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_stat
 {
     struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
-    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, base, p->level));
-    for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
+    exit_from(g, m, slot, is_static, cells_of(l, p->level, base));
     l->level[p->level].boxes--;
     l->boxes--;
     p->level = NO_LEVEL;
@@ -159,18 +170,22 @@ void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_stat
 
 static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
 
-/* Brings the cells of a box, which were `from` of its layout, up to date with its fat
- * bounds. Cells left, kept and entered (paper II.3c): mostly all are kept, else all are
- * left, and those of the current layout entered. Returns 0 without memory. */
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from)
+/* Brings the cells of a box up to date with its fat bounds: they were `from` of its layout and
+ * are to be `to` of the current one. Cells left, kept and entered (paper II.3c): mostly all are
+ * kept, else all are left and all are entered. Returns 0 without memory. */
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
+                   struct range to)
 {
     struct box *p = &g->boxes->at[slot];
-    struct range to = range_of(&g->layout[g->current], &p->fat);
+    struct layout *l = &g->layout[p->layout];
     if (p->layout == g->current && same_range(&from, &to)) {
-        const struct layout *l = &g->layout[p->layout];
-        struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, to, p->level));
+        struct cell_walk w = cells_of(l, p->level, to);
         for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_update(c, &p->fat, slot, is_static);
         return 1;
+    }
+    if (p->layout == g->current && p->level == msap_level_for(to)) { /* as many boxes are in it as before */
+        exit_from(g, m, slot, is_static, cells_of(l, p->level, from));
+        return enter(g, m, slot, is_static, cells_of(l, p->level, to));
     }
     msap_grid_take(g, m, slot, is_static, from);
     p->layout = (uint8_t)g->current;
@@ -205,13 +220,4 @@ void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int 
             if (l->level[level].boxes > 0)
                 query_cells(g, w, cell_walk(&l->level[level], range_on(l, base, level)), self, is_static);
     }
-}
-
-/* A token that no tag carries, nor the one after it. */
-void msap_grid_new_token(struct grid *g)
-{
-    g->token += 2;
-    if (g->token < UINT32_MAX - 2) return;
-    memset(g->tag, 0, g->slots * sizeof *g->tag);
-    g->token = 2;
 }

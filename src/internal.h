@@ -5,7 +5,7 @@
  *
  * The way of a box through the code:
  *
- *     msap_update            resolve the handle, refuse bad bounds    (change.c)
+ *     msap_update            resolve the handle, refuse bad bounds    (update.c)
  *       box_change           store the bounds, mark as changed        (box.c)
  *     msap_commit                                                     (commit.c)
  *       sap_update           three axes, by slide, merge or sweep     (sap.c)
@@ -75,6 +75,8 @@ void msap_pool_free(struct pool *p, struct memory *m);
 unsigned msap_pool_class_for(size_t units);
 void *msap_pool_get(struct pool *p, struct memory *m, unsigned class);
 void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class);
+void msap_pool_lend(struct pool *p, struct memory *m, struct pool *stock, unsigned classes, size_t n);
+void msap_pool_take_back(struct pool *p, struct pool *stock);
 
 /* ------------------------------------------------------------------ sort.c */
 
@@ -404,7 +406,7 @@ void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words);
 struct job {
     struct box_table *boxes;
     struct pair_table *pairs;
-    struct settler *settler; /* of worker 0 */
+    struct worker *worker; /* the calling thread's or, within a phase, the one at work */
     struct memory *memory;
     struct scratch *scratch;
     struct crew *crew;
@@ -425,8 +427,12 @@ const char *msap_sap_broken(const struct sap *s, const struct box_table *boxes);
 struct worker {
     struct settler settler;
     struct keys pairs; /* pairs of slots that were found */
+    struct pool stock; /* while it moves boxes: room for neighbour lists */
     uint32_t *found;   /* [slots + 8] what a sweep has found */
-    size_t room_found;
+    uint32_t *tag;     /* [slots] `token` marks what was found for a box */
+    uint32_t token;
+    size_t slots; /* that both are ready for */
+    size_t room_found, room_tag;
 };
 
 /* Worker 0 is the calling thread; workers 1 ... size, if size > 1, run the tasks of
@@ -454,11 +460,13 @@ enum {
     WEIGHT_TOUCH = 1,    /* a box that is touched; two of its pairs; a test of a wide box */
     WEIGHT_KNOWN = 1,    /* a known pair */
     WEIGHT_FILL = 1,     /* a box that is written into a row */
+    WEIGHT_UPDATE = 2,   /* a box that gets other bounds */
     WEIGHT_ROW_BOX = 2,  /* a box in the rows that are swept */
     WEIGHT_LEVELS = 4,   /* a box that asks other levels, where most need not */
     WEIGHT_SKIN = 6,     /* a skin that is fitted */
     WEIGHT_CELL_BOX = 8, /* a box in the cells that are swept */
-    WEIGHT_QUERY = 16    /* a box that asks its cells */
+    WEIGHT_QUERY = 16,   /* a box that asks its cells */
+    WEIGHT_MOVE = 100    /* a box that gets a new skin */
 };
 
 /* Works on items first ... last - 1. */
@@ -467,10 +475,12 @@ void msap_crew_init(struct crew *crew, const msap_config *config);
 int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots);
 void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
 void msap_crew_free(struct crew *crew, struct memory *m);
+size_t msap_phase_tasks(const struct crew *crew, size_t n, size_t weight);
 int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *context, size_t n, size_t weight);
 int msap_worker_has_room(struct worker *w, size_t n, size_t slack);
 void msap_worker_put(struct worker *w, uint64_t key);
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n);
+void msap_worker_new_token(struct worker *w);
 
 /* How many pairs a box has, by the last commit. */
 static inline size_t pairs_of_a_box(const struct job *job) { return job->pairs->active / (job->boxes->live + 1); }
@@ -497,7 +507,8 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
 
 /* ------------------------------------------------------------------ near.c */
 
-enum { NEAR_UNIT = 4 }; /* entries of the smallest list */
+enum { NEAR_UNIT = 4, /* entries of the smallest list */
+       NEAR_LONG = 64 /* entries of a list that is not searched often */ };
 
 /* In the entry for a neighbour above, besides its slot: exactly if the two boxes are a
  * pair, since the last commit. What of this changes in a commit is noted by the settler. */
@@ -530,7 +541,7 @@ struct near_lists {
     struct pool pool;
 };
 
-int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair);
+int msap_near_join(struct near_lists *all, struct pool *p, struct memory *m, uint32_t a, uint32_t b, int is_pair);
 int msap_near_make(struct near_lists *all, struct memory *m, const struct keys *pairs, size_t slots);
 uint32_t msap_near_find(const struct near_list *l, uint32_t self, uint32_t other);
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other);
@@ -671,11 +682,9 @@ struct grid {
     uint32_t next_to_move; /* slot */
     struct pool pool;      /* of the cells */
     struct near_lists near;
-    uint32_t *tag; /* [slots] within a commit: `token` marks what was found for a box */
     struct start *start; /* [slots] of the boxes in the grid */
-    size_t slots;        /* of the box table that the arrays above are ready for */
-    size_t room_tag, room_start;
-    uint32_t token;
+    size_t slots;        /* of the box table that lists and starts are ready for */
+    size_t room_start;
     uint32_t commit; /* counts commits, for the age of skins */
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */
@@ -702,10 +711,10 @@ struct range msap_range_as_told(const struct layout *l, struct range units);
 uint32_t msap_level_for(struct range base);
 int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
-int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from);
+int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
+                   struct range to);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last);
-void msap_grid_new_token(struct grid *g);
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
 void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m);
 void msap_layout_free(struct layout *l, struct memory *m);
@@ -752,6 +761,32 @@ static inline int skin_is_baggy(const struct box *b, const struct grid *g)
     return skin_is_old(b, g) && msap_skin_is_far_wider(b, g);
 }
 
+/* --------------------------------------------------------- move.c, share.c */
+
+/* So many layers of the cells of level 0 across an axis, from the first on and around the end: what
+ * one of several workers that move boxes may change. */
+struct region {
+    uint32_t axis, first, layers;
+};
+
+/* How far a move has come. */
+enum {
+    MOVE_WAITS,
+    MOVE_PLACED, /* the box has its new skin and is in its cells */
+    MOVE_ASKED,  /* within msap_renew_few: they have been asked for its neighbours */
+    MOVE_DONE    /* and it has a list of them */
+};
+
+enum { MOVES_AT_ONCE = 32 }; /* boxes whose cells are still in the cache when they are asked */
+
+int msap_place_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                   uint8_t *state, size_t n);
+int msap_renew_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                   uint8_t *state, size_t n);
+int msap_is_near(const void *grid, uint32_t a, uint32_t b);
+const uint64_t *msap_order_by_cell(const struct grid *g, const struct job *job, uint32_t *slot, size_t n);
+uint8_t *msap_share_moves(struct grid *g, const struct job *job, uint32_t *slot, size_t n);
+
 /* ------ choose.c, rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
 enum way { TRACK, REBUILD, JUMP_OR_TRACK, JUMP_OR_REBUILD /* where a scene is not suited */ };
@@ -789,6 +824,8 @@ struct msap_world {
     uint64_t error_index;
 };
 
+msap_status msap_world_begin(msap_world *w);
+msap_status msap_world_end(msap_world *w, msap_status status);
 void msap_world_trim(msap_world *w);
 msap_status msap_world_fail(msap_world *w, msap_status status, uint64_t index, uint32_t bound);
 

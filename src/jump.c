@@ -317,7 +317,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
     list_rows(&j);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
-    job->crew->worker[0].pairs.n = 0;
+    job->worker->pairs.n = 0;
     msap_phase_run(job->crew, job->memory, fill_rows, &j, entries, WEIGHT_FILL); /* it finds nothing */
     if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, entries, WEIGHT_ROW_BOX) ||
         !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))

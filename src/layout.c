@@ -221,8 +221,8 @@ static int move_over(struct grid *g, struct memory *m, const struct box_table *b
         uint32_t slot = g->next_to_move;
         const struct box *p = &boxes->at[slot];
         if (p->level == NO_LEVEL || p->layout == g->current) continue;
-        struct range from = range_of(other, &p->fat);
-        if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from)) return 0;
+        struct range from = range_of(other, &p->fat), to = range_of(&g->layout[g->current], &p->fat);
+        if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from, to)) return 0;
     }
     if (other->boxes == 0) msap_layout_free(other, m);
     return 1;

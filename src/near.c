@@ -11,47 +11,54 @@
  * commit: so a touch that finds the pair as it was needs to look at nothing else. */
 #include "internal.h"
 
-static int give_room(struct near_list *l, struct near_lists *all, struct memory *m, uint32_t room)
+static int give_room(struct near_list *l, struct pool *p, struct memory *m, uint32_t room)
 {
     unsigned class = msap_pool_class_for((room + NEAR_UNIT - 1) / NEAR_UNIT);
-    l->at = msap_pool_get(&all->pool, m, class);
+    l->at = msap_pool_get(p, m, class);
     l->class = (uint8_t) class;
     return l->at != NULL;
 }
 
 /* To twice the room: the smaller arrays that are left behind come to no more than that. */
-static int grow(struct near_list *l, struct near_lists *all, struct memory *m)
+static int grow(struct near_list *l, struct pool *p, struct memory *m)
 {
     struct near_list old = *l;
-    if (!give_room(l, all, m, old.at ? 2 * near_room(&old) : 1)) {
+    if (!give_room(l, p, m, old.at ? 2 * near_room(&old) : 1)) {
         *l = old;
         return 0;
     }
     if (!old.at) return 1;
     memcpy(l->at, old.at, old.n * sizeof *l->at);
-    msap_pool_put(&all->pool, m, old.at, old.class);
+    msap_pool_put(p, m, old.at, old.class);
     return 1;
 }
 
-/* Puts an entry into the list of `self`, where it is not yet. Returns 0 without memory. */
-static int put(struct near_lists *all, struct memory *m, uint32_t self, uint32_t entry)
+/* Puts an entry into the list of `self`, where it is not yet and which has room. */
+static void put(struct near_list *l, uint32_t self, uint32_t entry)
 {
-    struct near_list *l = &all->of[self];
-    if (l->n == near_room(l) && !grow(l, all, m)) return 0;
     l->at[l->n] = entry;
     if (near_slot(entry) > self) {
         l->at[l->n] = l->at[l->n_above];
         l->at[l->n_above++] = entry;
     }
     l->n++;
-    return 1;
 }
 
-/* Makes two boxes neighbours, which they are not yet. Returns 0 without memory. */
-int msap_near_join(struct near_lists *all, struct memory *m, uint32_t a, uint32_t b, int is_pair)
+static int has_room(struct near_list *l, struct pool *p, struct memory *m)
+{
+    return l->n < near_room(l) || grow(l, p, m);
+}
+
+/* Makes two boxes neighbours, which they are not yet. Room comes from the pool of the lists or a
+ * stock of it. Returns 0 without memory, the lists being as before. */
+int msap_near_join(struct near_lists *all, struct pool *p, struct memory *m, uint32_t a, uint32_t b, int is_pair)
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
-    return put(all, m, low, is_pair ? high | NEAR_PAIR : high) && put(all, m, high, low);
+    struct near_list *of_low = &all->of[low], *of_high = &all->of[high];
+    if (!has_room(of_low, p, m) || !has_room(of_high, p, m)) return 0;
+    put(of_low, low, is_pair ? high | NEAR_PAIR : high);
+    put(of_high, high, low);
+    return 1;
 }
 
 /* Counts the neighbours of each box. */
@@ -73,7 +80,7 @@ int msap_near_make(struct near_lists *all, struct memory *m, const struct keys *
     count(all, pairs);
     for (size_t slot = 0; slot < slots; slot++) {
         struct near_list *l = &all->of[slot];
-        if (l->n > 0 && !give_room(l, all, m, l->n)) return 0;
+        if (l->n > 0 && !give_room(l, &all->pool, m, l->n)) return 0;
         l->n = l->n_above; /* where the next one below is put, and n_above where the next one above */
         l->n_above = 0;
     }
@@ -142,10 +149,9 @@ static int may_search(struct near_list *l, uint16_t round)
  * would search each other's lists in turn. */
 void msap_near_remove(struct near_lists *all, uint32_t self, uint32_t other)
 {
-    enum { LONG = 64 };
     struct near_list *l = &all->of[self];
     if (l->noted) return;
-    if (l->n > LONG && !may_search(l, all->round)) {
+    if (l->n > NEAR_LONG && !may_search(l, all->round)) {
         l->noted = all->first_noted + 1;
         all->first_noted = self + 1;
         return;

@@ -31,12 +31,17 @@ void msap_crew_init(struct crew *crew, const msap_config *config)
 
 static uint32_t count_of(const struct crew *crew) { return crew->size > 1 ? crew->size + 1 : 1; }
 
-/* Room for what a sweep can find among so many slots. */
+/* Room for what a sweep can find among so many slots, and for a tag of each. */
 int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
-        if (!msap_memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found)) return 0;
+        if (slots <= w->slots) continue;
+        if (!msap_memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found) ||
+            !msap_memory_reserve(m, &w->tag, &w->room_tag, slots, w->slots, sizeof *w->tag))
+            return 0;
+        memset(w->tag + w->slots, 0, (slots - w->slots) * sizeof *w->tag);
+        w->slots = slots;
     }
     return 1;
 }
@@ -55,6 +60,8 @@ void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pa
             msap_memory_shrink(m, &kept[k]->at, &kept[k]->room, i == 0 ? pairs : 0, sizeof *kept[k]->at);
         }
         msap_memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
+        msap_memory_shrink(m, &w->tag, &w->room_tag, slots, sizeof *w->tag);
+        w->slots = slots < w->slots ? slots : w->slots;
     }
 }
 
@@ -67,6 +74,7 @@ void msap_crew_free(struct crew *crew, struct memory *m)
         msap_keys_free(&w->settler.notes, m);
         msap_keys_free(&w->pairs, m);
         msap_memory_free(m, w->found, w->room_found, sizeof *w->found);
+        msap_memory_free(m, w->tag, w->room_tag, sizeof *w->tag);
     }
 }
 
@@ -165,8 +173,8 @@ static int run_in_tasks(struct crew *crew, struct memory *m, phase_fn run, void 
 }
 
 /* Into how many tasks n items of a weight are worth being cut: no more than there are workers
- * or items. */
-static size_t tasks_for(const struct crew *crew, size_t n, size_t weight)
+ * or items; less than 2: into none. */
+size_t msap_phase_tasks(const struct crew *crew, size_t n, size_t weight)
 {
     double worth = (double)n * (double)weight / (double)crew->grain;
     size_t most = n < crew->size ? n : crew->size;
@@ -181,7 +189,7 @@ int msap_phase_run(struct crew *crew, struct memory *m, phase_fn run, void *cont
     struct worker *own = &crew->worker[0];
     size_t fresh = own->settler.fresh.n, doomed = own->settler.doomed.n, notes = own->settler.notes.n,
            pairs = own->pairs.n;
-    size_t tasks = tasks_for(crew, n, weight);
+    size_t tasks = msap_phase_tasks(crew, n, weight);
     if (tasks > 1 && run_in_tasks(crew, m, run, context, n, tasks)) return 1;
     own->settler.fresh.n = fresh;
     own->settler.doomed.n = doomed;
@@ -217,4 +225,13 @@ void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
     uint64_t *pair = w->pairs.at + w->pairs.n;
     for (size_t i = 0; i < n; i += 4) pairs_of_four(pair + i, self, w->found + i);
     w->pairs.n += n;
+}
+
+/* A token that no tag of the worker carries, nor the one after it. */
+void msap_worker_new_token(struct worker *w)
+{
+    w->token += 2;
+    if (w->token < UINT32_MAX - 2) return;
+    memset(w->tag, 0, w->slots * sizeof *w->tag);
+    w->token = 2;
 }

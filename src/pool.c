@@ -8,7 +8,9 @@
  * ones are cut from slabs; what is given back waits in the free list of its class.
  * Large ones come from the allocator one by one. Slabs stay with the pool, also
  * when it is emptied, so that a world that is warm asks for nothing; pool_free
- * gives them back. */
+ * gives them back.
+ *
+ * A worker, which may not allocate, is lent arrays: its stock. */
 #include "internal.h"
 
 enum { LEAST_SLAB = 512, SHARE = 32 };
@@ -91,15 +93,34 @@ unsigned msap_pool_class_for(size_t units)
     return class;
 }
 
-/* An array of the units of a class, or NULL. */
+/* An array of the units of a class, or NULL. A stock, whose m is NULL, has only what waits. */
 void *msap_pool_get(struct pool *p, struct memory *m, unsigned class)
 {
-    if (pool_is_large(class)) return msap_memory_alloc(m, pool_units(class), p->unit);
-    return p->free[class] ? pop(&p->free[class]) : cut(p, m, class);
+    if (m && pool_is_large(class)) return msap_memory_alloc(m, pool_units(class), p->unit);
+    if (!pool_is_large(class) && p->free[class]) return pop(&p->free[class]);
+    return m ? cut(p, m, class) : NULL;
 }
 
 void msap_pool_put(struct pool *p, struct memory *m, void *array, unsigned class)
 {
     if (pool_is_large(class)) msap_memory_free(m, array, pool_units(class), p->unit);
     else push(&p->free[class], array);
+}
+
+/* Lends n arrays of each of the first `classes`, or as many as there is memory for. */
+void msap_pool_lend(struct pool *p, struct memory *m, struct pool *stock, unsigned classes, size_t n)
+{
+    for (unsigned class = 0; class < classes; class ++)
+        for (size_t i = 0; i < n; i++) {
+            void *array = msap_pool_get(p, m, class);
+            if (!array) return;
+            push(&stock->free[class], array);
+        }
+}
+
+/* Takes back what a stock has. */
+void msap_pool_take_back(struct pool *p, struct pool *stock)
+{
+    for (int class = 0; class < POOL_CLASSES; class ++)
+        while (stock->free[class]) push(&p->free[class], pop(&stock->free[class]));
 }

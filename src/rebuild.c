@@ -380,14 +380,13 @@ static void ask_finer(void *context, struct worker *w, size_t first, size_t last
  * together by box. */
 static void settle_asked(const struct rebuild *r, struct worker *w, size_t first)
 {
-    struct grid *g = r->grid;
     uint64_t *pair = w->pairs.at;
     size_t n = first;
     for (size_t i = first; i < w->pairs.n; i++) {
         uint32_t a = (uint32_t)(pair[i] >> 32), b = (uint32_t)pair[i];
-        if (n == first || a != pair[n - 1] >> 32) msap_grid_new_token(g);
-        if (g->tag[b] == g->token) continue;
-        g->tag[b] = g->token;
+        if (n == first || a != pair[n - 1] >> 32) msap_worker_new_token(w);
+        if (w->tag[b] == w->token) continue;
+        w->tag[b] = w->token;
         pair[n++] = settled(r, &w->settler, a, b);
     }
     w->pairs.n = n;
@@ -397,7 +396,7 @@ static void settle_asked(const struct rebuild *r, struct worker *w, size_t first
 static int ask(struct rebuild *r)
 {
     enum { FEW = 64 }; /* cells that a coarse box would have to visit, more or less */
-    struct worker *w = &r->job->crew->worker[0];
+    struct worker *w = r->job->worker;
     size_t coarse = r->layout->boxes - r->layout->level[0].boxes, found = w->pairs.n;
     int are_few = coarse < r->layout->boxes / FEW;
     if (coarse == 0) return 1;
@@ -443,12 +442,12 @@ static int make_grid(struct rebuild *r)
 /* Finds and settles all neighbours. Returns 0 without memory. */
 static int find_neighbours(struct rebuild *r)
 {
-    struct crew *crew = r->job->crew;
+    struct keys *pairs = &r->job->worker->pairs;
     struct memory *m = r->job->memory;
     size_t n = r->layout->n_cells, weight = r->layout->boxes * WEIGHT_CELL_BOX / n + 1;
-    crew->worker[0].pairs.n = 0;
-    return msap_phase_run(crew, m, make_rows, r, n, weight) && ask(r) &&
-           msap_near_make(&r->grid->near, m, &crew->worker[0].pairs, r->job->boxes->used);
+    pairs->n = 0;
+    return msap_phase_run(r->job->crew, m, make_rows, r, n, weight) && ask(r) &&
+           msap_near_make(&r->grid->near, m, pairs, r->job->boxes->used);
 }
 
 /* Whether the layout should be chosen again, since it costs little now. */

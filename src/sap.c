@@ -182,7 +182,7 @@ static void prune_in_place(const struct sap *s, const struct job *job, uint32_t 
         for (size_t j = i + 1; j < x->rank[2 * a + 1]; j++) {
             uint32_t b = key_box(x->key[j]);
             if (!(x->key[j] & KEY_MAX_BIT) && ((job->boxes->at[a].flags | job->boxes->at[b].flags) & BOX_NEW))
-                settle(job->settler, a, b);
+                settle(&job->worker->settler, a, b);
         }
     }
 }
@@ -202,8 +202,8 @@ static void prune_new(const struct sap *s, const struct job *job, size_t n_new)
     msap_prune_set_place(&fresh, words, n_new);
     msap_prune_set_place(&old, words + PRUNE_SET_WORDS(n_new), n_old);
     split_new(s, job, k, &fresh, &old);
-    msap_prune_within(&fresh, touch, job->settler);
-    msap_prune_between(&fresh, &old, touch, job->settler);
+    msap_prune_within(&fresh, touch, &job->worker->settler);
+    msap_prune_between(&fresh, &old, touch, &job->worker->settler);
 }
 
 static size_t clear_new(struct box_table *t)

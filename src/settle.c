@@ -105,5 +105,5 @@ void msap_touch_all_boxes(const struct job *job)
     const struct box_table *t = job->boxes;
     for (size_t i = 0; i < t->n_changed; i++)
         for (uint32_t other = 0; other < t->used; other++)
-            if (other != t->changed[i]) settle(job->settler, t->changed[i], other);
+            if (other != t->changed[i]) settle(&job->worker->settler, t->changed[i], other);
 }

@@ -32,11 +32,11 @@ static int overlap_by_rank(const struct axis *x, uint32_t a, uint32_t b)
 
 static void cross(const struct sap *s, uint32_t k, uint32_t a, uint32_t b, const struct job *job)
 {
-    job->settler->crossings++;
+    job->worker->settler.crossings++;
     if (job->filters)
         for (uint32_t other = 0; other < s->dims; other++)
             if (other != k && !overlap_by_rank(&s->axis[other], a, b)) return;
-    settle(job->settler, a, b);
+    settle(&job->worker->settler, a, b);
 }
 
 /* Moves an end point to where `key`, its new key, belongs; step is 1 or -1. */

@@ -59,14 +59,19 @@ static inline size_t buffer_above(struct settler *s, struct above *p, size_t n, 
     return n;
 }
 
-/* Every pair once, from the lower box, whether or not a box of it changed. */
+/* Every pair once, from the lower box, whether or not a box of it changed. The first boxes have
+ * more neighbours above than the last: so a part is some of the first half and, counted from the
+ * end, as many of the other. */
 static void touch_all(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct near_list *of = ((const struct touching *)context)->of;
+    const struct touching *t = context;
+    uint32_t used = (uint32_t)t->boxes->used, from = used - (uint32_t)last, to = used - (uint32_t)first;
     struct above above;
     size_t n = 0;
     for (uint32_t slot = (uint32_t)first; slot < last; slot++)
-        n = buffer_above(&w->settler, &above, n, slot, &of[slot]);
+        n = buffer_above(&w->settler, &above, n, slot, &t->of[slot]);
+    for (uint32_t slot = from > last ? from : (uint32_t)last; slot < to; slot++)
+        n = buffer_above(&w->settler, &above, n, slot, &t->of[slot]);
     settle_above(&w->settler, &above, n);
 }
 
@@ -108,7 +113,7 @@ int msap_grid_touch(const struct grid *g, struct job *job)
     struct touching all = {g->near.of, t, t->changed};
     size_t weight = WEIGHT_TOUCH * (1 + pairs_of_a_box(job) / 2);
     if (t->n_changed * 4 >= t->live * 3)
-        return msap_phase_run(job->crew, job->memory, touch_all, &all, t->used, weight);
+        return msap_phase_run(job->crew, job->memory, touch_all, &all, (t->used + 1) / 2, 2 * weight);
     return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed, weight);
 }
 

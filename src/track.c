@@ -11,7 +11,7 @@
  * 4. Their lists are changed accordingly; neighbours lost are touched.
  * 5. Every changed box touches all its neighbours (touch.c).
  *
- * Steps 2 to 4 are taken for a few boxes at a time, whose cells are still in the cache
+ * Steps 2 to 4 are taken for a few boxes at a time (move.c), whose cells are still in the cache
  * when they are asked. It comes to the same as for all at once, since what two boxes are to
  * each other is decided anew by each that is moved, and so by the last one of them, when
  * both have their new fat bounds.
@@ -22,13 +22,14 @@
  * the cells and however wide the skins are; a pair seen in several cells is one
  * pair, since a list holds it once (II.3b).
  *
- * Step 5 runs on all workers. Where too many boxes would have to be put
- * elsewhere, one by one is not the way (choose.c). */
+ * Where there are many of them, steps 2 to 4 are shared by all workers (share.c), and step 5
+ * is. Where too many boxes would have to be put elsewhere, one by one is not the way
+ * (choose.c). */
 #include "cells.h"
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
-/* ---------------------------------------------------------- steps 1 and 2 */
+/* ---------------------------------------------------------- step 1 */
 
 /* Marks the baggy ones of every step-th changed box; returns how many they are. */
 static size_t mark_some_baggy(const struct grid *g, struct box_table *t, size_t first, size_t step)
@@ -70,25 +71,6 @@ static size_t misplaced_first(const struct grid *g, struct box_table *t)
     return n;
 }
 
-/* Orders the boxes first ... last - 1 of those that left by the cell that they were in or, of those that come,
- * are in now, so that what is near in space is near in time. Without memory they stay as
- * they are. */
-static void order_by_cell(const struct grid *g, const struct job *job, size_t first, size_t last)
-{
-    uint32_t *left = job->boxes->left + first;
-    size_t n = last - first;
-    uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
-    if (!key || n == 0) return;
-    for (size_t i = 0; i < n; i++) {
-        const struct layout *l = &g->layout[g->current];
-        const struct box *b = &job->boxes->at[left[i]];
-        struct range base = range_of(l, b->level == NO_LEVEL ? &b->now : &b->fat);
-        key[i] = (uint64_t)(cell_at(&l->level[0], base.low) - l->cell) << 32 | left[i];
-    }
-    msap_sort_keys(key, n, key + n);
-    for (size_t i = 0; i < n; i++) left[i] = (uint32_t)key[i];
-}
-
 /* A box leaves the grid. */
 static void leave(struct grid *g, const struct job *job, uint32_t slot)
 {
@@ -97,35 +79,10 @@ static void leave(struct grid *g, const struct job *job, uint32_t slot)
     msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
     box_forget_place(b);
     for (uint32_t i = 0; i < l->n; i++) {
-        settle(job->settler, slot, near_slot(l->at[i]));
+        settle(&job->worker->settler, slot, near_slot(l->at[i]));
         msap_near_remove(&g->near, near_slot(l->at[i]), slot);
     }
     msap_near_drop(&g->near, job->memory, slot);
-}
-
-/* How many neighbours of a box it does not overlap: those above as of the last commit. */
-static uint32_t count_vain(const struct near_list *l, const struct box *boxes, uint32_t slot)
-{
-    uint32_t vain = 0;
-    for (uint32_t i = 0; i < l->n_above; i++) vain += !(l->at[i] & NEAR_PAIR);
-    for (uint32_t i = l->n_above; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
-    return vain;
-}
-
-/* A box enters the grid, or gets a new skin and moves in it. Returns 0 without memory. */
-static int relocate(struct grid *g, const struct job *job, uint32_t slot)
-{
-    struct box *b = &job->boxes->at[slot];
-    if (b->level != NO_LEVEL) {
-        struct range from = range_of(&g->layout[b->layout], &b->fat);
-        msap_skin_renew(g, slot, count_vain(&g->near.of[slot], job->boxes->at, slot));
-        return msap_grid_move(g, job->memory, slot, is_static(b), from);
-    }
-    msap_skin_first(g, slot);
-    struct range base = range_of(&g->layout[g->current], &b->fat);
-    b->layout = (uint8_t)g->current;
-    b->level = (uint8_t)msap_level_for(base);
-    return msap_grid_put(g, job->memory, slot, is_static(b), base);
 }
 
 /* Of the first n boxes that left, puts those that were removed first. Returns how many they
@@ -146,14 +103,15 @@ static size_t removed_first(const struct box_table *t, size_t n)
  * the entries tell what the pairs were, so no box need be looked at. */
 static void leave_lists(struct grid *g, const struct job *job)
 {
+    const struct worker *w = job->worker;
     for (uint32_t slot = 0; slot < job->boxes->used; slot++) {
         struct near_list *l = &g->near.of[slot];
-        int is_gone = g->tag[slot] == g->token;
+        int is_gone = w->tag[slot] == w->token;
         for (uint32_t i = l->n; i-- > 0;) {
             uint32_t other = near_slot(l->at[i]);
-            if (!is_gone && g->tag[other] != g->token) continue;
-            job->settler->touched += i < l->n_above;
-            if (l->at[i] & NEAR_PAIR) msap_settle_change(job->settler, pair_key(slot, other), 0);
+            if (!is_gone && w->tag[other] != w->token) continue;
+            job->worker->settler.touched += i < l->n_above;
+            if (l->at[i] & NEAR_PAIR) msap_settle_change(&job->worker->settler, pair_key(slot, other), 0);
             if (!is_gone) msap_near_take_out(l, i);
         }
         if (is_gone) msap_near_drop(&g->near, job->memory, slot);
@@ -165,11 +123,12 @@ static void leave_lists(struct grid *g, const struct job *job)
  * needs no memory. */
 static void leave_together(struct grid *g, const struct job *job, size_t gone)
 {
-    msap_grid_new_token(g);
+    struct worker *w = job->worker;
+    msap_worker_new_token(w);
     for (size_t i = 0; i < gone; i++) {
         struct box *b = &job->boxes->at[job->boxes->left[i]];
         struct layout *l = &g->layout[b->layout];
-        g->tag[job->boxes->left[i]] = g->token;
+        w->tag[job->boxes->left[i]] = w->token;
         l->level[b->level].boxes--;
         l->boxes--;
         box_forget_place(b);
@@ -177,13 +136,13 @@ static void leave_together(struct grid *g, const struct job *job, size_t gone)
     leave_lists(g, job);
     for (int i = 0; i < 2; i++)
         for (size_t c = 0; c < g->layout[i].n_cells; c++)
-            msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, g->tag, g->token);
+            msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, w->tag, w->token);
 }
 
 /* The same one by one. */
 static void leave_each(struct grid *g, const struct job *job, size_t gone, int by_cell)
 {
-    if (by_cell) order_by_cell(g, job, 0, gone);
+    if (by_cell) msap_order_by_cell(g, job, job->boxes->left, gone);
     for (size_t i = 0; i < gone; i++) leave(g, job, job->boxes->left[i]);
 }
 
@@ -202,75 +161,38 @@ static size_t leave_first(struct grid *g, const struct job *job, size_t n, int b
     size_t gone = removed_first(job->boxes, n);
     if (is_exodus(job->boxes, gone)) leave_together(g, job, gone);
     else leave_each(g, job, gone, by_cell);
-    if (by_cell) order_by_cell(g, job, gone, n);
+    msap_near_tidy(&g->near, msap_is_near, g);
     return gone;
 }
 
-/* ---------------------------------------------------------- steps 3 and 4 */
+/* ------------------------------------------------------------ steps 2 to 4 */
 
-/* Drops from the list of a box what is not tagged, and tags the rest as known. */
-static void part_from_old(struct grid *g, const struct job *job, uint32_t slot)
-{
-    struct near_list *l = &g->near.of[slot];
-    for (uint32_t i = 0; i < l->n;) {
-        uint32_t other = near_slot(l->at[i]);
-        if (g->tag[other] == g->token) {
-            g->tag[other] = g->token + 1;
-            i++;
-            continue;
-        }
-        settle(job->settler, slot, other);
-        msap_near_remove(&g->near, other, slot);
-        msap_near_take_out(l, i);
-    }
-}
+/* How many of n boxes are dealt with at once. */
+static size_t few_of(size_t n) { return n < MOVES_AT_ONCE ? n : MOVES_AT_ONCE; }
 
-static int join(struct grid *g, const struct job *job, uint32_t a, uint32_t b)
+/* Boxes that workers have placed get their lists. Nothing is placed meanwhile, so a list that is noted
+ * can wait until all others are as they should be. Returns 0 without memory. */
+static int finish_placed(struct grid *g, const struct job *job, const uint32_t *slot, size_t n, uint8_t *state)
 {
-    return msap_near_join(&g->near, job->memory, a, b, were_pair(job->boxes, a, b));
-}
-
-/* Makes the list of a box what was found for it: the keys from *at on that name it, which
- * *at is left behind. */
-static int renew_list(struct grid *g, const struct job *job, uint32_t slot, const struct keys *found, size_t *at)
-{
-    size_t first = *at, last = first;
-    msap_grid_new_token(g);
-    for (; last < found->n && found->at[last] >> 32 == slot; last++) g->tag[(uint32_t)found->at[last]] = g->token;
-    g->tag[slot] = g->token + 1; /* it finds itself */
-    part_from_old(g, job, slot);
-    for (size_t i = first; i < last; i++) {
-        uint32_t other = (uint32_t)found->at[i];
-        if (g->tag[other] != g->token) continue;
-        g->tag[other] = g->token + 1;
-        if (!join(g, job, slot, other)) return 0;
-    }
-    *at = last;
+    for (size_t i = 0; i < n; i += MOVES_AT_ONCE)
+        if (!msap_renew_few(g, job, NULL, slot + i, state + i, few_of(n - i))) return 0;
+    msap_near_tidy(&g->near, msap_is_near, g);
     return 1;
 }
 
-/* Whether two boxes are neighbours by their fat bounds. */
-static int is_near(const void *context, uint32_t a, uint32_t b)
+/* n boxes are put elsewhere. Returns 0 without memory. */
+static int move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n, uint8_t *state)
 {
-    const struct grid *g = context;
-    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
-    return q->level != NO_LEVEL && overlap(&p->fat, &q->fat);
-}
-
-/* Steps 2 to 4 for n slots. */
-static int relocate_few(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
-{
-    struct worker *own = &job->crew->worker[0];
-    const struct keys *found = &own->pairs;
-    own->pairs.n = 0;
-    for (size_t i = 0; i < n; i++)
-        if (!relocate(g, job, slot[i])) return 0;
-    for (size_t i = 0; i < n; i++)
-        msap_grid_query(g, own, slot[i], is_static(&job->boxes->at[slot[i]]), 0, LEVELS);
-    if (own->settler.lost) return 0;
-    for (size_t i = 0, at = 0; i < n; i++)
-        if (!renew_list(g, job, slot[i], found, &at)) return 0;
-    msap_near_tidy(&g->near, is_near, g);
+    uint8_t waiting[MOVES_AT_ONCE];
+    if (state && !finish_placed(g, job, slot, n, state)) return 0;
+    for (size_t i = 0; i < n; i += MOVES_AT_ONCE) {
+        uint8_t *now = state ? state + i : waiting;
+        memset(waiting, MOVE_WAITS, sizeof waiting);
+        if (!msap_place_few(g, job, NULL, slot + i, now, few_of(n - i)) ||
+            !msap_renew_few(g, job, NULL, slot + i, now, few_of(n - i)))
+            return 0;
+        msap_near_tidy(&g->near, msap_is_near, g);
+    }
     return 1;
 }
 
@@ -278,17 +200,12 @@ static int relocate_few(struct grid *g, struct job *job, const uint32_t *slot, s
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
-    enum { FEW = 32 }; /* boxes whose cells are still in the cache when they are asked */
-    const uint32_t *left = job->boxes->left;
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
     size_t gone = leave_first(g, job, misplaced, by_cell);
-    msap_near_tidy(&g->near, is_near, g);
-    for (size_t i = gone, n; i < misplaced; i += n) {
-        n = misplaced - i < FEW ? misplaced - i : FEW;
-        if (!relocate_few(g, job, left + i, n)) return 0;
-    }
-    return msap_grid_touch(g, job);
+    uint32_t *slot = job->boxes->left + gone;
+    uint8_t *state = by_cell ? msap_share_moves(g, job, slot, misplaced - gone) : NULL;
+    return move_all(g, job, slot, misplaced - gone, state) && msap_grid_touch(g, job);
 }
 
 /* Which way is taken by a strategy, if the first `misplaced` of those that left must be put

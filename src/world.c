@@ -122,6 +122,21 @@ msap_status msap_destroy(msap_world *world)
 }
 
 /* Gives back what the world does not need; changes may be pending. */
+/* Opens a call that changes the world, which msap_world.busy marks until it ends. */
+msap_status msap_world_begin(msap_world *w)
+{
+    if (!w) return MSAP_ERROR_NULL;
+    if (w->busy) return msap_world_fail(w, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
+    w->busy = 1;
+    return MSAP_OK;
+}
+
+msap_status msap_world_end(msap_world *w, msap_status status)
+{
+    w->busy = 0;
+    return status;
+}
+
 void msap_world_trim(msap_world *w)
 {
     struct memory *m = &w->memory;
@@ -135,12 +150,10 @@ void msap_world_trim(msap_world *w)
 
 msap_status msap_trim(msap_world *world)
 {
-    if (!world) return MSAP_ERROR_NULL;
-    if (world->busy) return msap_world_fail(world, MSAP_ERROR_BUSY, 0, MSAP_NO_BOUND);
-    world->busy = 1;
+    msap_status status = msap_world_begin(world);
+    if (status != MSAP_OK) return status;
     msap_world_trim(world);
-    world->busy = 0;
-    return MSAP_OK;
+    return msap_world_end(world, MSAP_OK);
 }
 
 /* Notes a failure for msap_last_error and hands the status on. */

@@ -424,7 +424,7 @@ START_TEST(tokens_end)
     int frame;
     right(session_open(&s, &config, 5, SCENE_GRID));
     right(session_step(&s, 60));
-    s.world->grid.token = UINT32_MAX - 41;
+    s.world->crew.worker[0].token = UINT32_MAX - 41;
     for (frame = 0; frame < 10; frame++)
         right(session_step(&s, 60));
     right(session_close(&s));

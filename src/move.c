@@ -1,0 +1,222 @@
+/* Moving: boxes get new skins, new cells and new neighbours.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * These are steps 2 to 4 of track.c, for a few boxes. They are taken by the calling thread,
+ * which may change everything, or by one of several workers, each in a region of its own
+ * (share.c). What a worker may not do it leaves: a box as it was, or, if it is in its new cells,
+ * its list as far as it has come. Every change to lists is made on both sides and settled, so
+ * they are in order in between, and when the box is dealt with again it comes to the same. */
+#include "cells.h"
+
+static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
+
+/* -------------------------------------------------- what a worker may change */
+
+static int is_within(const struct region *own, const struct layout *l, const struct range *base)
+{
+    uint32_t count = l->level[0].count[own->axis], first = wrap(base->low[own->axis], count);
+    uint32_t more = (uint32_t)base->high[own->axis] - (uint32_t)base->low[own->axis];
+    uint32_t from_first = first >= own->first ? first - own->first : first + count - own->first;
+    return from_first < own->layers && more < own->layers - from_first;
+}
+
+/* Whether a box, which was in cells `from`, may be put into cells `to`: none of them belongs to
+ * another worker, and no memory is taken or given back. */
+static int may_place(const struct grid *g, const struct region *own, struct range from, struct range to)
+{
+    const struct layout *l = &g->layout[g->current];
+    struct cell_walk left = cell_walk(&l->level[0], from), entered = cell_walk(&l->level[0], to);
+    if (memcmp(&from, &to, sizeof from) == 0) return 1;
+    if (!is_within(own, l, &to) || msap_level_for(to) != 0) return 0;
+    for (const struct cell *c; (c = cell_next(&left)) != NULL;)
+        if (c->n == 1) return 0;
+    for (const struct cell *c; (c = cell_next(&entered)) != NULL;)
+        if (c->n == c->room) return 0;
+    return 1;
+}
+
+/* Whether a box lies in a region. */
+static int is_own(const struct grid *g, const struct region *own, const struct box *b)
+{
+    const struct layout *l = &g->layout[g->current];
+    struct range base = range_of(l, &b->fat);
+    return is_within(own, l, &base);
+}
+
+/* Whether the list of a box may be changed. A long one may have to be noted. */
+static int may_change(const struct grid *g, const struct region *own, uint32_t slot)
+{
+    return g->near.of[slot].n <= NEAR_LONG && is_own(g, own, &g->boxes->at[slot]);
+}
+
+/* Whether there is room for an event. (A box that has left its skin and is yet to move may part
+ * from one that it overlaps.) */
+static int may_settle(const struct settler *s)
+{
+    return s->doomed.n < s->doomed.room && s->fresh.n < s->fresh.room;
+}
+
+/* ------------------------------------------------------------ skins and cells */
+
+/* How many neighbours of a box it does not overlap: those above as of the last commit. */
+static uint32_t count_vain(const struct near_list *l, const struct box *boxes, uint32_t slot)
+{
+    uint32_t vain = 0;
+    for (uint32_t i = 0; i < l->n_above; i++) vain += !(l->at[i] & NEAR_PAIR);
+    for (uint32_t i = l->n_above; i < l->n; i++) vain += !overlap(&boxes[slot].now, &boxes[l->at[i]].now);
+    return vain;
+}
+
+static void renew_skin(const struct grid *g, uint32_t slot)
+{
+    msap_skin_renew(g, slot, count_vain(&g->near.of[slot], g->boxes->at, slot));
+}
+
+/* A box enters the grid, or gets a new skin and moves in it. Returns 0 without memory. */
+static int place(struct grid *g, const struct job *job, uint32_t slot)
+{
+    struct box *b = &job->boxes->at[slot];
+    if (b->level != NO_LEVEL) {
+        struct range from = range_of(&g->layout[b->layout], &b->fat);
+        renew_skin(g, slot);
+        return msap_grid_move(g, job->memory, slot, is_static(b), from,
+                              range_of(&g->layout[g->current], &b->fat));
+    }
+    msap_skin_first(g, slot);
+    struct range base = range_of(&g->layout[g->current], &b->fat);
+    b->layout = (uint8_t)g->current;
+    b->level = (uint8_t)msap_level_for(base);
+    return msap_grid_put(g, job->memory, slot, is_static(b), base);
+}
+
+/* The same by a worker. Returns 0, with nothing done, if it may not. */
+static int place_own(struct grid *g, const struct region *own, uint32_t slot)
+{
+    struct box *b = &g->boxes->at[slot], before = *b;
+    struct start start = g->start[slot];
+    const struct layout *l = &g->layout[g->current];
+    if (b->level != 0 || b->layout != g->current) return 0;
+    struct range from = range_of(l, &b->fat);
+    if (!is_within(own, l, &from)) return 0;
+    renew_skin(g, slot);
+    struct range to = range_of(l, &b->fat);
+    if (may_place(g, own, from, to)) return msap_grid_move(g, NULL, slot, is_static(b), from, to);
+    *b = before;
+    g->start[slot] = start;
+    return 0;
+}
+
+/* ---------------------------------------------------------------------- lists */
+
+/* Drops from the list of a box what is not tagged, and tags the rest as known. Returns 0 if a
+ * worker may not. */
+static int part_from_old(struct grid *g, const struct job *job, const struct region *own, uint32_t slot)
+{
+    struct near_list *l = &g->near.of[slot];
+    struct worker *w = job->worker;
+    for (uint32_t i = 0; i < l->n;) {
+        uint32_t other = near_slot(l->at[i]);
+        if (w->tag[other] == w->token) {
+            w->tag[other] = w->token + 1;
+            i++;
+            continue;
+        }
+        if (own && !(may_change(g, own, other) && may_settle(&w->settler))) return 0;
+        settle(&w->settler, slot, other);
+        msap_near_remove(&g->near, other, slot);
+        msap_near_take_out(l, i);
+    }
+    return 1;
+}
+
+/* Makes two boxes neighbours. Returns 0 without memory, and if a worker may not. */
+static int join(struct grid *g, const struct job *job, const struct region *own, uint32_t slot, uint32_t other)
+{
+    struct pool *room = own ? &job->worker->stock : &g->near.pool;
+    if (own && !may_change(g, own, other)) return 0;
+    return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
+}
+
+/* Makes the list of a box what was found for it: the worker's pairs from *at on that name it, which
+ * *at is left behind. Returns 0 without memory, and if a worker may not. */
+static int renew_list(struct grid *g, const struct job *job, const struct region *own, uint32_t slot, size_t *at)
+{
+    struct worker *w = job->worker;
+    const uint64_t *found = w->pairs.at;
+    size_t first = *at, last = first;
+    msap_worker_new_token(w);
+    for (; last < w->pairs.n && found[last] >> 32 == slot; last++) w->tag[(uint32_t)found[last]] = w->token;
+    *at = last;
+    w->tag[slot] = w->token + 1; /* it finds itself */
+    if (!part_from_old(g, job, own, slot)) return 0;
+    for (size_t i = first; i < last; i++) {
+        uint32_t other = (uint32_t)found[i];
+        if (w->tag[other] != w->token) continue;
+        w->tag[other] = w->token + 1;
+        if (!join(g, job, own, slot, other)) return 0;
+    }
+    return 1;
+}
+
+/* Whether two boxes are neighbours by their fat bounds. */
+int msap_is_near(const void *grid, uint32_t a, uint32_t b)
+{
+    const struct grid *g = grid;
+    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
+    return q->level != NO_LEVEL && overlap(&p->fat, &q->fat);
+}
+
+/* ------------------------------------------------------------------ the whole */
+
+/* Puts those of n boxes that wait into their new cells. Returns 0 without memory; a worker places
+ * those that it may, and returns 1. */
+int msap_place_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                   uint8_t *state, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (state[i] != MOVE_WAITS) continue;
+        if (own ? place_own(g, own, slot[i]) : place(g, job, slot[i])) state[i] = MOVE_PLACED;
+        else if (!own) return 0;
+    }
+    return 1;
+}
+
+/* Asks the cells of boxes that are placed; a worker asks only its own, as many as it has room for.
+ * Returns 0 without memory. */
+static int ask(const struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+               uint8_t *state, size_t n)
+{
+    struct worker *w = job->worker;
+    w->pairs.n = 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct box *b = &job->boxes->at[slot[i]];
+        size_t had = w->pairs.n;
+        if (state[i] != MOVE_PLACED || (own && !is_own(g, own, b))) continue;
+        msap_grid_query(g, w, slot[i], is_static(b), 0, LEVELS);
+        if (w->settler.lost) {
+            w->settler.lost = own == NULL;
+            w->pairs.n = had;
+            return 0;
+        }
+        state[i] = MOVE_ASKED;
+    }
+    return 1;
+}
+
+/* Gives those of n boxes that are placed their lists. Returns 0 without memory; a worker goes as far
+ * as it may, and returns 0 if it should be called once more. */
+int msap_renew_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                   uint8_t *state, size_t n)
+{
+    int had_room = ask(g, job, own, slot, state, n), has_done = 0;
+    if (!had_room && !own) return 0;
+    for (size_t i = 0, at = 0; i < n; i++) {
+        if (state[i] != MOVE_ASKED) continue;
+        state[i] = renew_list(g, job, own, slot[i], &at) ? MOVE_DONE : MOVE_PLACED;
+        if (!own && state[i] != MOVE_DONE) return 0;
+        has_done |= state[i] == MOVE_DONE;
+    }
+    return had_room || !has_done;
+}
