@@ -178,7 +178,7 @@ typedef void *(*msap_alloc_fn)(void *user, size_t size);
 /* Takes back what msap_alloc_fn gave; `size` is the size that was asked for. Never called with NULL. */
 typedef void (*msap_free_fn)(void *user, void *pointer, size_t size);
 
-/* A piece of work of a commit. Tasks of one commit may run at the same time, in any
+/* A piece of work of a commit or of msap_update_many. Tasks may run at the same time, in any
  * order, on any thread; they never wait for each other and never allocate. */
 typedef void (*msap_task_fn)(void *task);
 
@@ -199,7 +199,8 @@ typedef struct msap_config {
                              them all; default 1 */
     uint32_t simd;        /* an msap_simd; default MSAP_SIMD_AUTO */
     uint32_t max_boxes;   /* msap_add refuses more with MSAP_ERROR_FULL; default MSAP_MAX_BOXES */
-    uint32_t workers;     /* into how many tasks a commit may be cut, 1 to 64; default 1: none. Needs enqueue */
+    uint32_t workers;     /* into how many tasks a commit, or an update of most boxes, may be cut, 1 to 64;
+                             default 1: none. Needs enqueue */
     uint32_t task_grain;  /* how much work is worth a task, in boxes touched; 0 (the default): 24576, about 150
                              microseconds. Less is for hosts whose tasks start sooner */
     float margin;         /* Multi-SAP: by how much the cells' idea of a box is wider than the box, in the unit of
@@ -280,7 +281,9 @@ MSAP_API msap_status msap_update(msap_world *world, msap_handle handle, const fl
 
 /* Updates k boxes, all or none; of a handle that comes twice the last counts.
  * Errors: as msap_update, and MSAP_ERROR_STRUCT_SIZE, _CONFIG (scalar);
- * msap_last_error names the first offender. Thread rule: owner. Cost: O(k). */
+ * msap_last_error names the first offender. Most boxes of a world of many are updated
+ * by its workers, unless they were updated since the last commit or come as doubles.
+ * Thread rule: owner. Cost: O(k). Paper II.3d. */
 MSAP_API msap_status msap_update_many(msap_world *world, size_t k, const msap_handle *handles,
                                       const msap_boxes *boxes);
 

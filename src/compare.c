@@ -71,7 +71,7 @@ int msap_compare(struct grid *g, struct job *job)
     struct settler *s = &job->worker->settler;
     if (!list_known(g, job) || !msap_keys_reserve(&s->fresh, job->memory, now->n)) return 0;
     s->touched += g->known.n + now->n;
-    msap_sort_keys(now->at, now->n, msap_scratch_get(job->scratch, job->memory, now->n));
+    msap_share_sort_keys(job, now->at, now->n, msap_scratch_get(job->scratch, job->memory, now->n));
     now->n = msap_unique_keys(now->at, now->n);
     find_events(s, &g->known, now);
     before = g->known;

@@ -460,6 +460,8 @@ enum {
     WEIGHT_TOUCH = 1,    /* a box that is touched; two of its pairs; a test of a wide box */
     WEIGHT_KNOWN = 1,    /* a known pair */
     WEIGHT_FILL = 1,     /* a box that is written into a row */
+    WEIGHT_ROWS = 2,     /* a box whose rows are found */
+    WEIGHT_SORT = 2,     /* a key that is sorted */
     WEIGHT_UPDATE = 2,   /* a box that gets other bounds */
     WEIGHT_ROW_BOX = 2,  /* a box in the rows that are swept */
     WEIGHT_LEVELS = 4,   /* a box that asks other levels, where most need not */
@@ -484,6 +486,12 @@ void msap_worker_new_token(struct worker *w);
 
 /* How many pairs a box has, by the last commit. */
 static inline size_t pairs_of_a_box(const struct job *job) { return job->pairs->active / (job->boxes->live + 1); }
+
+/* ----------------------------------------------------------------- merge.c */
+
+void msap_share_sort_keys(const struct job *job, uint64_t *key, size_t n, uint64_t *scratch);
+void msap_share_sort_values(const struct job *job, uint64_t *key, size_t n, uint64_t *scratch, float low,
+                            float extent);
 
 /* ----------------------------------------------------------------- prune.c */
 

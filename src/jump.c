@@ -21,7 +21,7 @@
  * 4. Boxes that touch many rows are in none; each is tested against all. Where there
  *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
- * Sorting and naming take the calling thread, the rest all workers. */
+ * Naming takes the calling thread, the rest all workers. */
 #include "cells.h"
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
@@ -34,6 +34,12 @@ struct row_range {
     uint8_t is_static;
 };
 
+/* What a worker has counted of the slots from the first on. */
+struct counted {
+    size_t first, n, n_wide, entries;
+    uint32_t *end; /* [rows] boxes; NULL: it was not at work */
+};
+
 /* One call at work. */
 struct jump {
     struct grid *grid;
@@ -42,7 +48,8 @@ struct jump {
     struct row_range *range; /* [slots] */
     uint32_t *wide;          /* [n_wide] slots of the boxes of step 4 */
     size_t n, n_wide;
-    uint32_t *end;      /* [rows] behind the last box of each row */
+    uint32_t *end;      /* [rows] behind the last box of each row; and as many for each other worker */
+    struct counted by[1 + MOST_WORKERS];
     struct row_set set; /* the boxes, row after row */
     int is_comparing;   /* the pairs found are kept instead of settled */
 };
@@ -135,16 +142,20 @@ static inline void count_in_rows(const struct rows *r, const struct row_range *r
         for (uint32_t y = 0, at = row; y <= more_y; y++, at = next_row(r, at)) end[at]++;
 }
 
-/* Finds the rows of each box, counts the boxes of each row into `end`, puts the wide boxes
- * aside, and completes the bounds before. Returns the number of entries in all rows. */
-static size_t count_rows(struct jump *j)
+/* Finds the rows of the boxes in slots first ... last - 1, counts the boxes of each row, names the
+ * others in the worker's parts of the lists, and completes the bounds before. */
+static void count_rows(void *context, struct worker *w, size_t first, size_t last)
 {
+    struct jump *j = context;
     const struct rows rows_now = j->grid->rows, *r = &rows_now;
     const struct box_table *t = j->job->boxes;
     uint32_t sweep_axis = r->axis[0];
-    size_t entries = 0;
-    memset(j->end, 0, (size_t)r->count[0] * r->count[1] * sizeof *j->end);
-    for (uint32_t slot = 0; slot < t->used; slot++) {
+    size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
+    struct counted c = {first, 0, 0, 0, j->end + worker * all_rows};
+    uint64_t *order = j->order + first;
+    uint32_t *wide = j->wide + first;
+    memset(c.end, 0, all_rows * sizeof *c.end);
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
         const struct box *b = &t->at[slot];
         struct row_range *range = &j->range[slot];
         if (!(b->flags & BOX_LIVE)) continue;
@@ -152,12 +163,30 @@ static size_t count_rows(struct jump *j)
         uint64_t rows = range_rows(r, &b->now, range);
         range->is_static = (b->flags & BOX_STATIC) != 0;
         if (rows > MOST_ROWS) {
-            j->wide[j->n_wide++] = slot;
+            wide[c.n_wide++] = slot;
             continue;
         }
-        j->order[j->n++] = key_make(b->now.min[sweep_axis], 0, slot);
-        entries += rows;
-        count_in_rows(r, range, j->end);
+        order[c.n++] = key_make(b->now.min[sweep_axis], 0, slot);
+        c.entries += rows;
+        count_in_rows(r, range, c.end);
+    }
+    j->by[worker] = c;
+}
+
+/* Adds what the workers have counted up. Returns the number of entries in all rows. */
+static size_t add_up(struct jump *j)
+{
+    size_t rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1], entries = 0;
+    if (!j->by[0].end) memset(j->end, 0, rows * sizeof *j->end);
+    for (uint32_t i = 0; i <= MOST_WORKERS; i++) {
+        const struct counted *c = &j->by[i];
+        if (!c->end) continue;
+        memmove(j->order + j->n, j->order + c->first, c->n * sizeof *j->order);
+        memmove(j->wide + j->n_wide, j->wide + c->first, c->n_wide * sizeof *j->wide);
+        j->n += c->n;
+        j->n_wide += c->n_wide;
+        entries += c->entries;
+        for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
     }
     return entries;
 }
@@ -281,7 +310,8 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 static int place_arrays(struct jump *j)
 {
     size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
-    size_t words = 3 * slots + slots + slots / 2 + 1 + rows / 2 + 1; /* a range is one */
+    size_t ends = rows * (1 + msap_phase_tasks(j->job->crew, slots, WEIGHT_ROWS));
+    size_t words = 3 * slots + slots + slots / 2 + 1 + ends / 2 + 1; /* a range is one */
     uint64_t *at = msap_scratch_get(j->job->scratch, j->job->memory, words);
     if (!at) return 0;
     j->order = at;
@@ -305,14 +335,15 @@ int msap_grid_jump(struct grid *g, struct job *job)
         r->chosen_at = g->commit;
     }
     if (!place_arrays(&j)) return 0;
-    size_t entries = count_rows(&j);
+    msap_phase_run(job->crew, job->memory, count_rows, &j, job->boxes->used, WEIGHT_ROWS); /* it finds nothing */
+    size_t entries = add_up(&j);
     g->wide = j.n_wide;
     if (j.n_wide > MOST_WIDE) return UNSUITED;
     if (!g->is_jumping) msap_grid_empty(g, job->memory);
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
-    msap_sort_values(j.order, j.n, j.order + job->boxes->used, r->low, r->extent);
+    msap_share_sort_values(job, j.order, j.n, j.order + job->boxes->used, r->low, r->extent);
     j.set = g->row_set;
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
     list_rows(&j);

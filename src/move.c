@@ -45,17 +45,12 @@ static int is_own(const struct grid *g, const struct region *own, const struct b
     return is_within(own, l, &base);
 }
 
-/* Whether the list of a box may be changed. A long one may have to be noted. */
-static int may_change(const struct grid *g, const struct region *own, uint32_t slot)
+/* Whether the lists of a box and another one, its neighbour, may be changed. Long ones may have to be
+ * noted, or take more room than a worker has. */
+static int may_change(const struct grid *g, const struct region *own, uint32_t slot, uint32_t other)
 {
-    return g->near.of[slot].n <= NEAR_LONG && is_own(g, own, &g->boxes->at[slot]);
-}
-
-/* Whether there is room for an event. (A box that has left its skin and is yet to move may part
- * from one that it overlaps.) */
-static int may_settle(const struct settler *s)
-{
-    return s->doomed.n < s->doomed.room && s->fresh.n < s->fresh.room;
+    return g->near.of[slot].n <= NEAR_LONG && g->near.of[other].n <= NEAR_LONG &&
+           is_own(g, own, &g->boxes->at[other]);
 }
 
 /* ------------------------------------------------------------ skins and cells */
@@ -110,6 +105,15 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot)
 
 /* ---------------------------------------------------------------------- lists */
 
+/* A pair that parts. If the two overlap, one of them is yet to move, and they will be neighbours again. */
+static void settle_parted(struct settler *s, uint32_t a, uint32_t b)
+{
+    const struct box *box = s->boxes->at;
+    s->touched++;
+    if (were_pair(s->boxes, a, b) && !overlap(&box[a].now, &box[b].now))
+        msap_settle_change(s, pair_key(a, b), 0);
+}
+
 /* Drops from the list of a box what is not tagged, and tags the rest as known. Returns 0 if a
  * worker may not. */
 static int part_from_old(struct grid *g, const struct job *job, const struct region *own, uint32_t slot)
@@ -123,8 +127,8 @@ static int part_from_old(struct grid *g, const struct job *job, const struct reg
             i++;
             continue;
         }
-        if (own && !(may_change(g, own, other) && may_settle(&w->settler))) return 0;
-        settle(&w->settler, slot, other);
+        if (own && !(may_change(g, own, slot, other) && w->settler.doomed.n < w->settler.doomed.room)) return 0;
+        settle_parted(&w->settler, slot, other);
         msap_near_remove(&g->near, other, slot);
         msap_near_take_out(l, i);
     }
@@ -135,7 +139,7 @@ static int part_from_old(struct grid *g, const struct job *job, const struct reg
 static int join(struct grid *g, const struct job *job, const struct region *own, uint32_t slot, uint32_t other)
 {
     struct pool *room = own ? &job->worker->stock : &g->near.pool;
-    if (own && !may_change(g, own, other)) return 0;
+    if (own && !may_change(g, own, slot, other)) return 0;
     return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
 }
 

@@ -93,11 +93,12 @@ unsigned msap_pool_class_for(size_t units)
     return class;
 }
 
-/* An array of the units of a class, or NULL. A stock, whose m is NULL, has only what waits. */
+/* An array of the units of a class, or NULL. A stock, for which m is NULL, has no large ones, and of
+ * others only what waits. */
 void *msap_pool_get(struct pool *p, struct memory *m, unsigned class)
 {
-    if (m && pool_is_large(class)) return msap_memory_alloc(m, pool_units(class), p->unit);
-    if (!pool_is_large(class) && p->free[class]) return pop(&p->free[class]);
+    if (pool_is_large(class)) return msap_memory_alloc(m, pool_units(class), p->unit);
+    if (p->free[class]) return pop(&p->free[class]);
     return m ? cut(p, m, class) : NULL;
 }
 

@@ -106,12 +106,11 @@ static void move_own(void *context, struct worker *w, size_t first, size_t last)
  * more to do. */
 static void equip(struct grid *g, const struct job *job, size_t tasks, size_t n)
 {
-    enum { FOUND = 64 * MOVES_AT_ONCE, EVENTS = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
+    enum { FOUND = 64 * MOVES_AT_ONCE, DOOMED = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
     for (size_t i = 1; i <= tasks; i++) {
         struct worker *w = &job->crew->worker[i];
         msap_keys_reserve(&w->pairs, job->memory, FOUND);
-        msap_keys_reserve(&w->settler.fresh, job->memory, EVENTS);
-        msap_keys_reserve(&w->settler.doomed, job->memory, EVENTS);
+        msap_keys_reserve(&w->settler.doomed, job->memory, DOOMED);
         msap_pool_lend(&g->near.pool, job->memory, &w->stock, CLASSES, n / ONE_IN / tasks);
     }
 }

@@ -214,6 +214,35 @@ START_TEST(workers_come_to_the_same)
 }
 END_TEST
 
+/* A crowd in a long tunnel along each axis: boxes with some 60 neighbours, more of whom come and go
+ * in each commit than a worker has room for; one in five is static. */
+START_TEST(workers_move_a_crowd)
+{
+    enum { CROWD = 1500, LENGTH = 48 };
+    const msap_config config = config_for(_i % CONFIGS);
+    choir *c = choir_open(&config, SMALL_GRAIN);
+    int along = _i / CONFIGS, i, k, frame;
+    for (i = 0; i < CROWD; i++)
+        for (k = 0; k < 3; k++) {
+            c->bounds[i].min[k] = (float)random_below(&c->random, k == along ? 16 * LENGTH : 32) / 16;
+            c->bounds[i].max[k] = c->bounds[i].min[k] + 1;
+        }
+    choir_add(c, 0, CROWD / 5, MSAP_STATIC);
+    choir_add(c, CROWD / 5, CROWD, 0);
+    choir_commit(c, 1);
+    for (frame = 0; frame < 6; frame++) {
+        for (i = frame % 2 ? CROWD / 5 : 0; i < CROWD; i++) {
+            float step = (float)random_below(&c->random, 64) / 16 - 2;
+            c->bounds[i].min[along] += step;
+            c->bounds[i].max[along] += step;
+        }
+        choir_update(c, 0, CROWD);
+        choir_commit(c, 1);
+    }
+    choir_close(c);
+}
+END_TEST
+
 /* Many pairs of few boxes: what the workers find is much more than what they have room
  * for. And all of it goes at once. */
 START_TEST(workers_find_more_than_they_have_room_for)
@@ -257,6 +286,83 @@ START_TEST(workers_ask_for_giants)
     for (frame = 0; frame < 2; frame++) {
         choose_bounds(c, 1000, 1600);
         choir_update(c, 1000, 1600);
+        choir_commit(c, 1);
+    }
+    choir_close(c);
+}
+END_TEST
+
+/* ------------------------------------------------------------------ updates */
+
+/* A batch that is refused, by all worlds for the same reason. */
+static void choir_refuses(choir *c, const msap_handle *handles, msap_status status, uint64_t index,
+                          msap_bound bound)
+{
+    msap_boxes boxes = boxes_in_row(c->bounds);
+    int w;
+    for (w = 0; w < WORLDS; w++) {
+        ck_assert_int_eq(msap_update_many(c->s[w].world, BOXES, handles, &boxes), status);
+        last_error(c->s[w].world, status, index, bound);
+    }
+}
+
+/* Nothing of a batch remains if a bound or a handle is not as it should be. */
+START_TEST(workers_undo_what_is_refused)
+{
+    static msap_handle handles[BOXES];
+    msap_config config = config_for(0);
+    choir *c = choir_open(&config, SMALL_GRAIN);
+    choose_bounds(c, 0, BOXES);
+    choir_add(c, 0, BOXES, 0);
+    choir_commit(c, 1);
+    memcpy(handles, c->handles, sizeof handles);
+    choose_bounds(c, 0, BOXES);
+    handles[4000] = (msap_handle)BOXES << 32 | 1; /* no slot at all */
+    choir_refuses(c, handles, MSAP_ERROR_HANDLE, 4000, MSAP_NO_BOUND);
+    handles[4000] = c->handles[4000] + 1; /* of another box in its slot */
+    choir_refuses(c, handles, MSAP_ERROR_HANDLE, 4000, MSAP_NO_BOUND);
+    c->bounds[BOXES - 1].min[1] = c->bounds[BOXES - 1].max[1] + 1;
+    c->bounds[BOXES / 2].max[2] = float_of(0x7FC00000);
+    choir_refuses(c, c->handles, MSAP_ERROR_NAN, BOXES / 2, MSAP_MAX_Z);
+    c->bounds[BOXES / 2].max[2] = c->bounds[BOXES / 2].min[2];
+    choir_refuses(c, c->handles, MSAP_ERROR_INVERTED, BOXES - 1, MSAP_MIN_Y);
+    choir_commit(c, 0); /* nothing has changed */
+    choir_close(c);
+}
+END_TEST
+
+/* Boxes in any order, some twice, some not; again before the commit; and as doubles. */
+START_TEST(workers_update_in_any_order)
+{
+    static msap_handle handles[BOXES];
+    static double doubles[BOXES][6];
+    const msap_boxes in_doubles = {sizeof in_doubles, MSAP_DOUBLE, NULL, NULL, 48, 8, 48, 8};
+    msap_config config = config_for(0);
+    choir *c = choir_open(&config, SMALL_GRAIN);
+    int way, w, i, k;
+    choose_bounds(c, 0, BOXES);
+    choir_add(c, 0, BOXES, 0);
+    choir_commit(c, 1);
+    for (way = 0; way < 4; way++) {
+        msap_boxes boxes = boxes_in_row(c->bounds);
+        choose_bounds(c, 0, BOXES);
+        for (i = 0; i < BOXES; i++) {
+            handles[i] = c->handles[way == 0 ? BOXES - 1 - i : way == 1 ? i * 7 % BOXES : i];
+            for (k = 0; k < 3; k++) {
+                doubles[i][k] = c->bounds[i].min[k];
+                doubles[i][k + 3] = c->bounds[i].max[k];
+            }
+        }
+        handles[BOXES - 1] = handles[way == 1 ? 20 : BOXES - 1];
+        if (way == 2)
+            choir_update(c, BOXES / 2, BOXES);
+        if (way == 3) {
+            boxes = in_doubles;
+            boxes.min = doubles[0];
+            boxes.max = doubles[0] + 3;
+        }
+        for (w = 0; w < WORLDS; w++)
+            ok(msap_update_many(c->s[w].world, BOXES, handles, &boxes));
         choir_commit(c, 1);
     }
     choir_close(c);
@@ -338,7 +444,7 @@ static void watched_commit(session *s)
     ck_assert_uint_eq(jobs_enqueued, jobs_finished);
 }
 
-/* The hooks are called on the thread that commits, from commits only, with the host's
+/* The hooks are called on the thread that commits, not from updates of a box, with the host's
  * pointer; and the allocator on that thread only, which the session checks. */
 START_TEST(hooks_and_allocator_are_called_by_the_caller)
 {
@@ -455,6 +561,9 @@ int main(void)
 {
     TCase *tests = tcase_create("workers");
     tcase_add_loop_test(tests, workers_come_to_the_same, 0, CONFIGS);
+    tcase_add_loop_test(tests, workers_move_a_crowd, 0, 3 * CONFIGS);
+    tcase_add_test(tests, workers_undo_what_is_refused);
+    tcase_add_test(tests, workers_update_in_any_order);
     tcase_add_loop_test(tests, workers_find_more_than_they_have_room_for, 0, CONFIGS);
     tcase_add_loop_test(tests, workers_ask_for_giants, 0, CONFIGS);
     tcase_add_loop_test(tests, little_work_is_not_cut, 0, CONFIGS);
