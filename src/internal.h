@@ -782,7 +782,8 @@ enum {
     MOVE_WAITS,
     MOVE_PLACED, /* the box has its new skin and is in its cells */
     MOVE_ASKED,  /* within msap_renew_few: they have been asked for its neighbours */
-    MOVE_DONE    /* and it has a list of them */
+    MOVE_DONE,   /* and it has a list of them */
+    MOVE_STUCK   /* placed, and its list is left to the calling thread */
 };
 
 enum { MOVES_AT_ONCE = 32 }; /* boxes whose cells are still in the cache when they are asked */

@@ -7,20 +7,24 @@
  * which may change everything, or by one of several workers, each in a region of its own
  * (share.c). What a worker may not do it leaves: a box as it was, or, if it is in its new cells,
  * its list as far as it has come. Every change to lists is made on both sides and settled, so
- * they are in order in between, and when the box is dealt with again it comes to the same. */
+ * they are in order in between, and when the calling thread goes on it comes to the same. */
 #include "cells.h"
 
 static int is_static(const struct box *b) { return (b->flags & BOX_STATIC) != 0; }
 
 /* -------------------------------------------------- what a worker may change */
 
-static int is_within(const struct region *own, const struct layout *l, const struct range *base)
+/* Whether cells lie in a region, so many layers or more from its ends. */
+static int is_within(const struct region *own, const struct layout *l, const struct range *base, uint32_t inside)
 {
     uint32_t count = l->level[0].count[own->axis], first = wrap(base->low[own->axis], count);
     uint32_t more = (uint32_t)base->high[own->axis] - (uint32_t)base->low[own->axis];
     uint32_t from_first = first >= own->first ? first - own->first : first + count - own->first;
-    return from_first < own->layers && more < own->layers - from_first;
+    return own->layers > inside && from_first >= inside && from_first < own->layers - inside &&
+           more < own->layers - inside - from_first;
 }
+
+enum { INSIDE = 1 /* layer: then nearly all neighbours lie in the region, too */ };
 
 /* Whether a box, which was in cells `from`, may be put into cells `to`: none of them belongs to
  * another worker, and no memory is taken or given back. */
@@ -29,7 +33,7 @@ static int may_place(const struct grid *g, const struct region *own, struct rang
     const struct layout *l = &g->layout[g->current];
     struct cell_walk left = cell_walk(&l->level[0], from), entered = cell_walk(&l->level[0], to);
     if (memcmp(&from, &to, sizeof from) == 0) return 1;
-    if (!is_within(own, l, &to) || msap_level_for(to) != 0) return 0;
+    if (!is_within(own, l, &to, INSIDE) || msap_level_for(to) != 0) return 0;
     for (const struct cell *c; (c = cell_next(&left)) != NULL;)
         if (c->n == 1) return 0;
     for (const struct cell *c; (c = cell_next(&entered)) != NULL;)
@@ -42,15 +46,15 @@ static int is_own(const struct grid *g, const struct region *own, const struct b
 {
     const struct layout *l = &g->layout[g->current];
     struct range base = range_of(l, &b->fat);
-    return is_within(own, l, &base);
+    return is_within(own, l, &base, 0);
 }
 
 /* Whether the lists of a box and another one, its neighbour, may be changed. Long ones may have to be
  * noted, or take more room than a worker has. */
 static int may_change(const struct grid *g, const struct region *own, uint32_t slot, uint32_t other)
 {
-    return g->near.of[slot].n <= NEAR_LONG && g->near.of[other].n <= NEAR_LONG &&
-           is_own(g, own, &g->boxes->at[other]);
+    return is_own(g, own, &g->boxes->at[other]) && g->near.of[slot].n <= NEAR_LONG &&
+           g->near.of[other].n <= NEAR_LONG;
 }
 
 /* ------------------------------------------------------------ skins and cells */
@@ -94,7 +98,7 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot)
     const struct layout *l = &g->layout[g->current];
     if (b->level != 0 || b->layout != g->current) return 0;
     struct range from = range_of(l, &b->fat);
-    if (!is_within(own, l, &from)) return 0;
+    if (!is_within(own, l, &from, INSIDE)) return 0;
     renew_skin(g, slot);
     struct range to = range_of(l, &b->fat);
     if (may_place(g, own, from, to)) return msap_grid_move(g, NULL, slot, is_static(b), from, to);
@@ -187,18 +191,17 @@ int msap_place_few(struct grid *g, const struct job *job, const struct region *o
     return 1;
 }
 
-/* Asks the cells of boxes that are placed; a worker asks only its own, as many as it has room for.
- * Returns 0 without memory. */
+/* Asks the cells of boxes that are placed, as many as there is memory for. Returns 0 if that is not
+ * enough for all. */
 static int ask(const struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
                uint8_t *state, size_t n)
 {
     struct worker *w = job->worker;
     w->pairs.n = 0;
     for (size_t i = 0; i < n; i++) {
-        const struct box *b = &job->boxes->at[slot[i]];
         size_t had = w->pairs.n;
-        if (state[i] != MOVE_PLACED || (own && !is_own(g, own, b))) continue;
-        msap_grid_query(g, w, slot[i], is_static(b), 0, LEVELS);
+        if (state[i] != MOVE_PLACED && (own || state[i] != MOVE_STUCK)) continue;
+        msap_grid_query(g, w, slot[i], is_static(&job->boxes->at[slot[i]]), 0, LEVELS);
         if (w->settler.lost) {
             w->settler.lost = own == NULL;
             w->pairs.n = had;
@@ -209,18 +212,20 @@ static int ask(const struct grid *g, const struct job *job, const struct region 
     return 1;
 }
 
-/* Gives those of n boxes that are placed their lists. Returns 0 without memory; a worker goes as far
- * as it may, and returns 0 if it should be called once more. */
+/* Gives those of n boxes that are placed their lists. Returns 0 without memory; a worker, which gets
+ * stuck where it may not go on, returns 0 if it should be called once more. */
 int msap_renew_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
                    uint8_t *state, size_t n)
 {
-    int had_room = ask(g, job, own, slot, state, n), has_done = 0;
+    int had_room = ask(g, job, own, slot, state, n), has_asked = 0;
     if (!had_room && !own) return 0;
     for (size_t i = 0, at = 0; i < n; i++) {
         if (state[i] != MOVE_ASKED) continue;
-        state[i] = renew_list(g, job, own, slot[i], &at) ? MOVE_DONE : MOVE_PLACED;
+        state[i] = renew_list(g, job, own, slot[i], &at) ? MOVE_DONE : MOVE_STUCK;
         if (!own && state[i] != MOVE_DONE) return 0;
-        has_done |= state[i] == MOVE_DONE;
+        has_asked = 1;
     }
-    return had_room || !has_done;
+    for (size_t i = 0; !has_asked && i < n; i++)
+        if (state[i] == MOVE_PLACED) state[i] = MOVE_STUCK; /* by one that finds more than there is room for */
+    return had_room || !has_asked;
 }

@@ -8,9 +8,13 @@
  * its first box on, before that of the next worker's first box. A box belongs to a region if all
  * its cells do. Two boxes that overlap have a point in common and so a cell: boxes of
  * different regions are no neighbours, before and after. So a worker may move the boxes of its
- * region, and what it reads and writes of cells, boxes and lists no other one writes.
+ * region and change the lists of others in it, and what it reads and writes of cells, boxes and
+ * lists no other one writes.
  *
- * What belongs to no region, or would take memory, is left to the calling thread (move.c). */
+ * All that is done twice, with the regions' ends elsewhere, since boxes at the ends stay where they
+ * are. A box whose list was not finished the first time may have neighbours anywhere: it is not
+ * touched the second time. It is left to the calling thread, as is what belongs to no region or
+ * would take memory (move.c). */
 #include "cells.h"
 
 /* The axis across which layers lie: of axes that are as long, the one on which cells that are side by
@@ -115,8 +119,6 @@ static void equip(struct grid *g, const struct job *job, size_t tasks, size_t n)
     }
 }
 
-/* Twice, with the borders of the regions elsewhere: what sticks out of one the first time does not
- * the second time. */
 static void share(struct sharing *s, size_t tasks)
 {
     const struct job *job = s->job;
@@ -131,7 +133,7 @@ static void share(struct sharing *s, size_t tasks)
  * of them anywhere. */
 uint8_t *msap_share_moves(struct grid *g, const struct job *job, uint32_t *slot, size_t n)
 {
-    enum { LAYERS = 4 /* of a worker, at least: from fewer, too many boxes stick out */ };
+    enum { LAYERS = 4 /* of a worker, at least: of fewer, too many are at an end */ };
     const struct level *l = &g->layout[g->current].level[0];
     const uint64_t *key = msap_order_by_cell(g, job, slot, n);
     struct sharing s = {.grid = g, .job = job, .key = key, .slot = slot, .n = n, .axis = longest_axis(l)};
