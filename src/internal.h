@@ -468,7 +468,7 @@ enum {
     WEIGHT_SKIN = 6,     /* a skin that is fitted */
     WEIGHT_CELL_BOX = 8, /* a box in the cells that are swept */
     WEIGHT_QUERY = 16,   /* a box that asks its cells */
-    WEIGHT_MOVE = 32     /* a box that gets a new skin */
+    WEIGHT_MOVE = 32     /* a box that gets a new skin: more, but boxes and lists change caches with it */
 };
 
 /* Works on items first ... last - 1. */

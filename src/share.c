@@ -64,10 +64,11 @@ const uint64_t *msap_order_by_cell(const struct grid *g, const struct job *job, 
     return key;
 }
 
+/* The moves of a commit at work. */
 struct sharing {
     struct grid *grid;
     const struct job *job;
-    const uint64_t *key; /* [n] where the boxes start, << 32 */
+    const uint64_t *key; /* [n] the cells in which the boxes start << 32, in order */
     const uint32_t *slot;
     uint8_t *state;
     size_t n, turn;       /* item i of the phase is box (i + turn) % n */
@@ -88,6 +89,7 @@ static uint32_t layers_between(const struct sharing *s, uint32_t first, uint32_t
     return end >= first ? end - first : end + all - first;
 }
 
+/* A worker moves the boxes of its part, items first ... last - 1, as far as they lie in its region. */
 static void move_own(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct sharing *s = context;
@@ -100,8 +102,7 @@ static void move_own(void *context, struct worker *w, size_t first, size_t last)
         size_t at = box_of_item(s, i), end = at + (last - i) < s->n ? at + (last - i) : s->n;
         n = end - at < MOVES_AT_ONCE ? end - at : MOVES_AT_ONCE;
         msap_place_few(s->grid, &job, &own, s->slot + at, s->state + at, n);
-        while (!msap_renew_few(s->grid, &job, &own, s->slot + at, s->state + at, n)) {
-        }
+        while (!msap_renew_few(s->grid, &job, &own, s->slot + at, s->state + at, n)) continue;
     }
     w->pairs.n = 0;
 }
@@ -119,6 +120,7 @@ static void equip(struct grid *g, const struct job *job, size_t tasks, size_t n)
     }
 }
 
+/* Two rounds, the regions of the second half a region further on. */
 static void share(struct sharing *s, size_t tasks)
 {
     const struct job *job = s->job;

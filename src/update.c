@@ -148,7 +148,8 @@ static msap_status update_unchanged(msap_world *w, size_t k, const msap_handle *
         if (plain) i = update_part(&w->boxes, &all, handles, &from, i, k, w->config.dims);
         if (i == k) break;
         msap_status status = MSAP_ERROR_HANDLE;
-        if (box_find(&w->boxes, handles[i], BOX_LIVE)) status = bounds_read(&from, i, w->config.dims, &bounds, &bound);
+        if (box_find(&w->boxes, handles[i], BOX_LIVE))
+            status = bounds_read(&from, i, w->config.dims, &bounds, &bound);
         if (status == MSAP_OK && box_is_changed(&w->boxes, slot_of(handles[i]))) ++*others;
         else if (status == MSAP_OK) box_change(&w->boxes, slot_of(handles[i]), &bounds);
         if (status != MSAP_OK) {
