@@ -30,9 +30,10 @@ CFLAGS = shlex.split(os.environ.get("CFLAGS", "-O2"))
 
 # ------------------------------------------------------------------- measuring
 
-# The library with other constants: its name, and what becomes of src/internal.h.
+# The library with other constants: its name, and what becomes of src/internal.h. (When all is made
+# anew, a box may touch 256 cells on an axis.)
 VARIANTS = [("as it is: 8", {})] + [(str(n), {"MOST_CELLS": n}) for n in (16, 64, 256)] + [
-    ("any number", {"MOST_CELLS": 1 << 24}), ("8, else one list", {"LEVELS": 2})]
+    ("8, else one list", {"LEVELS": 2})]
 ROUNDS = 3
 
 
@@ -456,9 +457,9 @@ def summary_of_scaling(results):
 
 
 def summary_of_cells(results):
-    ratios = results.ratios("cells", "any number")
+    ratios = results.ratios("cells", "256")
     if ratios:
-        yield "A mover should touch few cells", "II.2b", "any number: times " + span(ratios), verdict(ratios)
+        yield "A mover should touch few cells", "II.2b", "256 instead of 8: times " + span(ratios), verdict(ratios)
     ratios = results.ratios("statics", "in a tree")
     if ratios:
         yield ("Static boxes in all cells give good results", "II.2c", "in a tree: times " + span(ratios),
