@@ -44,6 +44,17 @@ struct costs {
     int64_t track, jump, rebuild;
 };
 
+/* How much dearer it is to look up one box after another, in sixteenths, where there are so many that
+ * they outgrow one cache after the other. To prune all is to read them in order, which is less so. */
+static int64_t dearness(size_t boxes)
+{
+    enum { MANY = 65536 };
+    int64_t more = 0;
+    for (; boxes > 2 * MANY; boxes /= 2) more += ONE / 2;
+    if (boxes > MANY) more += (int64_t)(boxes - MANY) * (ONE / 2) / MANY;
+    return ONE + more;
+}
+
 /* What it costs to keep track of the boxes that changed if so many of them must be put elsewhere
  * and so many leave. */
 static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t leaving)
@@ -51,8 +62,9 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
     int64_t boxes = (int64_t)job->boxes->live + 1, changed = (int64_t)job->boxes->n_changed;
     int64_t near = NEIGHBOURS_A_PAIR * (int64_t)job->pairs->active, of_a_box = 2 * near / boxes;
     if (of_a_box > boxes) of_a_box = boxes; /* most others have just been removed */
-    return near * changed / boxes + leaving * TRACK_LEAVE +
-           moves * (TRACK_MOVE + of_a_box * (TRACK_NEIGHBOUR + of_a_box / TRACK_SEARCH));
+    int64_t tests = near * changed / boxes + leaving * TRACK_LEAVE +
+                    moves * (TRACK_MOVE + of_a_box * (TRACK_NEIGHBOUR + of_a_box / TRACK_SEARCH));
+    return tests * dearness((size_t)boxes) / ONE;
 }
 
 static struct costs costs_of(const struct grid *g, const struct job *job)

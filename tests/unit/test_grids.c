@@ -526,6 +526,53 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
+/* How many cells a world of so many boxes has once they have all drifted for some commits; its pairs
+ * must be those of box pruning. */
+static uint64_t cells_of_a_drift(int n)
+{
+    static box bounds[250000];
+    static msap_handle names[250000];
+    msap_boxes boxes = boxes_in_row(bounds);
+    float side = 1;
+    msap_index_pair *pairs;
+    msap_world *world;
+    uint64_t random = 5, cells;
+    size_t count;
+    int i, k, frame;
+    while (side * side * side < 4 * (float)n)
+        side++;
+    for (i = 0; i < n; i++)
+        for (k = 0; k < 3; k++) {
+            bounds[i].min[k] = side * (float)random_below(&random, 65536) / 65536;
+            bounds[i].max[k] = bounds[i].min[k] + 1;
+        }
+    ok(msap_create(NULL, &world));
+    ok(msap_add_many(world, (size_t)n, &boxes, NULL, NULL, names));
+    for (frame = 0; frame < 6; frame++) {
+        ok(msap_commit(world, NULL, NULL));
+        for (i = 0; i < n; i++) {
+            bounds[i].min[i % 3] += 0.03125f;
+            bounds[i].max[i % 3] = bounds[i].min[i % 3] + 1;
+        }
+        ok(msap_update_many(world, (size_t)n, names, &boxes));
+    }
+    ok(msap_commit(world, NULL, NULL));
+    ok(msap_prune(NULL, (size_t)n, &boxes, &pairs, &count, NULL));
+    ck_assert_uint_eq(stats_of(world).pairs, count);
+    ok(msap_prune_free(NULL, pairs, count));
+    cells = stats_of(world).cells;
+    ok(msap_destroy(world));
+    return cells;
+}
+
+/* Very many boxes are pruned where fewer would be kept track of: to look each of them up is dearer. */
+START_TEST(very_many_boxes_are_pruned_sooner)
+{
+    ck_assert_uint_gt(cells_of_a_drift(20000), 0);
+    ck_assert_uint_eq(cells_of_a_drift(250000), 0);
+}
+END_TEST
+
 /* Adds box i of a scene or, from then on, updates it. */
 static void put(session *s, int i, const box *b, int is_new)
 {
@@ -737,6 +784,7 @@ int main(void)
     }
     tcase_add_test(tests, cells_are_kept_while_they_pay);
     tcase_add_test(tests, motion_can_deceive);
+    tcase_add_test(tests, very_many_boxes_are_pruned_sooner);
     tcase_add_test(tests, boxes_that_crawl_far_away);
     tcase_add_test(tests, first_skins_do_not_count);
     tcase_add_loop_test(tests, all_of_space_and_boxes_that_come, 0, SETUPS);
