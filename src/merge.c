@@ -44,6 +44,7 @@ static void sort(const struct job *job, const struct sorting *s, size_t n)
 {
     struct sorting own = *s;
     size_t parts = s->scratch ? msap_phase_tasks(job->crew, n, WEIGHT_SORT) : 0;
+    if (n == 0) return; /* there may be no array */
     if (parts < 2) {
         sort_part(&own, job->worker, 0, n);
         return;
