@@ -89,6 +89,12 @@ static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *ot
     _mm_storeu_si128((__m128i *)(void *)(to + 2), _mm_unpackhi_epi32(low, high));
 }
 
+/* a where the bits of `which` are set, else b. */
+static inline lanes choose_lanes(lanes which, lanes a, lanes b)
+{
+    return _mm_or_si128(_mm_and_si128(which, a), _mm_andnot_si128(which, b));
+}
+
 static inline lanes lanes_of(uint32_t x, uint32_t y, uint32_t z)
 {
     return _mm_set_epi32(0, (int32_t)z, (int32_t)y, (int32_t)x);

@@ -5,33 +5,36 @@
  *
  * This is the SAP of a few dozen boxes: to sort so few costs more than to test
  * them all, eight at a time (simd.c). They stand in blocks of eight, since a row
- * is written about as often as a block is swept, and a block is four cache lines.
- * Boxes that are not static stand first, so that a static box is tested against
+ * is written about as often as a block is swept, and their bounds are rounded, so that
+ * a block is two cache lines: boxes that are apart by less than a step are found, too,
+ * and told apart by who asked. Boxes that are not static stand first, so that a static box is tested against
  * them alone. */
 #include "internal.h"
 
 static unsigned class_for(uint32_t rows) { return msap_pool_class_for((rows + 7) / 8); }
 
 /* Reads a row; returns the slot. */
-uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b)
+uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct rounded *r)
 {
     const struct cell_block *block = &c->block[row / 8];
     uint32_t column = row % 8;
-    b->min[0] = block->min[0][column];
-    b->min[1] = block->min[1][column];
-    b->min[2] = block->min[2][column];
-    b->max[0] = block->max[0][column];
-    b->max[1] = block->max[1][column];
-    b->max[2] = block->max[2][column];
+    r->low[0] = block->low[0][column];
+    r->low[1] = block->low[1][column];
+    r->low[2] = block->low[2][column];
+    r->low[3] = 0;
+    r->high[0] = block->high[0][column];
+    r->high[1] = block->high[1][column];
+    r->high[2] = block->high[2][column];
+    r->high[3] = 0;
     return block->id[column];
 }
 
 static void move_row(struct cell *c, uint32_t from, uint32_t to)
 {
-    struct bounds b;
+    struct rounded r;
     if (from == to) return;
-    uint32_t slot = msap_cell_row(c, from, &b);
-    cell_put_row(c, to, &b, slot);
+    uint32_t slot = msap_cell_row(c, from, &r);
+    cell_put_row(c, to, &r, slot);
 }
 
 /* Room for n boxes in a cell that has none. Returns 0 without memory. */
@@ -59,7 +62,7 @@ static int grow(struct cell *c, struct pool *p, struct memory *m)
 }
 
 /* Returns 0 without memory, the cell being as before. */
-int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
+int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct rounded *r, uint32_t slot,
                      int is_static)
 {
     if (c->n == c->room && !grow(c, p, m)) return 0;
@@ -69,7 +72,7 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
         move_row(c, c->n_moving, row);
         row = c->n_moving++;
     }
-    cell_put_row(c, row, b, slot);
+    cell_put_row(c, row, r, slot);
     return 1;
 }
 
@@ -99,9 +102,9 @@ static uint32_t row_of(const struct cell *c, uint32_t slot, int is_static)
 }
 
 /* Gives a box of the cell other bounds. */
-void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static)
+void msap_cell_update(struct cell *c, const struct rounded *r, uint32_t slot, int is_static)
 {
-    cell_put_row(c, row_of(c, slot, is_static), b, slot);
+    cell_put_row(c, row_of(c, slot, is_static), r, slot);
 }
 
 static void drop(struct cell *c, struct pool *p, struct memory *m)

@@ -20,7 +20,7 @@
 
 /* floor(x * scale) of four. */
 #if defined(__SSE2__)
-static inline void four_units(const float scale[4], const int32_t *ordered, int32_t units[4])
+static inline __m128i units_lanes(const float scale[4], const int32_t *ordered)
 {
     __m128i bits = load_bounds(ordered);
     bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
@@ -31,8 +31,12 @@ static inline void four_units(const float scale[4], const int32_t *ordered, int3
     x = _mm_and_ps(x, _mm_cmpge_ps(magnitude, _mm_set1_ps(LEAST_UNITS)));
     x = _mm_max_ps(_mm_min_ps(x, most), _mm_set1_ps(-MOST_UNITS));
     __m128i whole = _mm_cvttps_epi32(x);
-    whole = _mm_add_epi32(whole, _mm_castps_si128(_mm_cmplt_ps(x, _mm_cvtepi32_ps(whole))));
-    _mm_storeu_si128((__m128i *)(void *)units, whole);
+    return _mm_add_epi32(whole, _mm_castps_si128(_mm_cmplt_ps(x, _mm_cvtepi32_ps(whole))));
+}
+
+static inline void four_units(const float scale[4], const int32_t *ordered, int32_t units[4])
+{
+    _mm_storeu_si128((__m128i *)(void *)units, units_lanes(scale, ordered));
 }
 
 /* floor(x * scale) on all axes. */
@@ -68,10 +72,9 @@ static inline void units_of(const float scale[4], const int32_t *ordered, int32_
  * that vectors read do (bounds.h). */
 static inline struct range range_of(const struct layout *l, const struct bounds *b)
 {
-    int32_t low[4], high[4];
-    units_of(l->scale, b->min, low);
-    units_of(l->scale, b->max, high);
-    struct range r = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    struct range r;
+    units_of(l->scale, b->min, r.low);
+    units_of(l->scale, b->max, r.high);
     return l->is_told ? msap_range_as_told(l, r) : r;
 }
 
@@ -84,21 +87,84 @@ static inline int32_t floor_shift(int32_t a, uint32_t shift)
 
 /* The same on another level, without naming a wrapped cell twice: a range around all
  * cells starts below every other. */
-static inline struct range range_on(const struct layout *layout, struct range base, uint32_t level)
+#if defined(__SSE2__)
+static inline struct range range_on(const struct layout *layout, const struct range *base, uint32_t level)
+{
+    const __m128i shift = _mm_cvtsi32_si128((int)(LEVEL_SHIFT * level)), first = _mm_set1_epi32(-CELL_LIMIT);
+    __m128i low = _mm_sra_epi32(load_bounds(base->low), shift), high = _mm_sra_epi32(load_bounds(base->high), shift);
+    __m128i more = _mm_sub_epi32(high, low), last = _mm_sub_epi32(load_bounds((const int32_t *)layout->level[level].count), _mm_set1_epi32(1));
+    __m128i is_all = _mm_or_si128(_mm_cmpgt_epi32(more, last), _mm_srai_epi32(more, 31)); /* at most 2^31 more */
+    struct range r;
+    _mm_storeu_si128((__m128i *)(void *)r.low, choose_lanes(is_all, first, low));
+    _mm_storeu_si128((__m128i *)(void *)r.high, choose_lanes(is_all, _mm_add_epi32(first, last), high));
+    return r;
+}
+#else
+static inline struct range range_on(const struct layout *layout, const struct range *base, uint32_t level)
 {
     const struct level *l = &layout->level[level];
-    uint32_t shift = LEVEL_SHIFT * level;
+    struct range r;
     for (uint32_t k = 0; k < 3; k++) {
-        if (level > 0) {
-            base.low[k] = floor_shift(base.low[k], shift);
-            base.high[k] = floor_shift(base.high[k], shift);
-        }
-        if ((uint32_t)base.high[k] - (uint32_t)base.low[k] < l->count[k]) continue;
-        base.low[k] = -CELL_LIMIT;
-        base.high[k] = (int32_t)l->count[k] - 1 - CELL_LIMIT;
+        r.low[k] = floor_shift(base->low[k], LEVEL_SHIFT * level);
+        r.high[k] = floor_shift(base->high[k], LEVEL_SHIFT * level);
+        if ((uint32_t)r.high[k] - (uint32_t)r.low[k] < l->count[k]) continue;
+        r.low[k] = -CELL_LIMIT;
+        r.high[k] = (int32_t)l->count[k] - 1 - CELL_LIMIT;
     }
-    return base;
+    return r;
 }
+#endif
+
+/* ----------------------------------------------------------------- rounding */
+
+/* Rounds fat bounds for the cells of a level. Boxes that overlap still do: what is rounded down or
+ * counts as if it were less far out keeps its order, and a difference that is modulo 2^16 keeps its sign
+ * while both boxes are short. Returns whether this one is; all that stand in cells are. */
+#if defined(__SSE2__)
+static inline __m128i steps_on(const struct level *l, const int32_t *steps, uint32_t level)
+{
+    __m128i at = _mm_sra_epi32(load_bounds(steps), _mm_cvtsi32_si128((int)(LEVEL_SHIFT * level)));
+    __m128i first = load_bounds(l->first_step), last = load_bounds(l->last_step);
+    __m128i below = _mm_cmpgt_epi32(first, at), above = _mm_cmpgt_epi32(at, last);
+    return choose_lanes(above, last, choose_lanes(below, first, at));
+}
+
+static inline int rounded_on(const struct layout *l, uint32_t level, const struct spot *s, struct rounded *r)
+{
+    __m128i low = steps_on(&l->level[level], s->low, level), high = steps_on(&l->level[level], s->high, level);
+    __m128i is_long = _mm_cmpgt_epi32(_mm_sub_epi32(high, low), _mm_set1_epi32(MOST_STEPS));
+    low = _mm_srai_epi32(_mm_slli_epi32(low, 16), 16);
+    high = _mm_srai_epi32(_mm_slli_epi32(_mm_sub_epi32(_mm_setzero_si128(), high), 16), 16);
+    _mm_storeu_si128((__m128i *)(void *)r, _mm_packs_epi32(low, high));
+    return !(_mm_movemask_ps(_mm_castsi128_ps(is_long)) & 7);
+}
+#else
+static inline int32_t step_on(const struct level *l, uint32_t k, int32_t step, uint32_t level)
+{
+    step = floor_shift(step, LEVEL_SHIFT * level);
+    return step < l->first_step[k] ? l->first_step[k] : step > l->last_step[k] ? l->last_step[k] : step;
+}
+
+static inline int rounded_on(const struct layout *l, uint32_t level, const struct spot *s, struct rounded *r)
+{
+    int is_short = 1;
+    for (uint32_t k = 0; k < 3; k++) {
+        int32_t low = step_on(&l->level[level], k, s->low[k], level);
+        int32_t high = step_on(&l->level[level], k, s->high[k], level);
+        is_short &= high - low <= MOST_STEPS;
+        r->low[k] = (uint16_t)low;
+        r->high[k] = (uint16_t)(0u - (uint32_t)high);
+    }
+    return is_short;
+}
+#endif
+
+static inline int is_same_range(const struct range *a, const struct range *b)
+{
+    return memcmp(a->low, b->low, 3 * sizeof *a->low) == 0 && memcmp(a->high, b->high, 3 * sizeof *a->high) == 0;
+}
+
+/* ------------------------------------------------------------------- cells */
 
 static inline uint32_t wrap(int32_t at, uint32_t count)
 {
@@ -149,6 +215,72 @@ static inline struct cell *cell_next(struct cell_walk *w)
 {
     if (w->x > w->range.high[0] && !cell_walk_row(w)) return NULL;
     return &w->row[wrap(w->x++, w->level->count[0])];
+}
+
+/* ------------------------------------------------------- the cells of a box */
+
+static inline struct span span_on(const struct layout *l, const struct range *base, uint32_t level)
+{
+    struct range r = range_on(l, base, level);
+    struct span s = {{0}, {0}, (uint8_t)level, 0};
+    for (int k = 0; k < 3; k++) {
+        s.low[k] = (uint16_t)wrap(r.low[k], l->level[level].count[k]);
+        s.more[k] = (uint8_t)(r.high[k] - r.low[k]);
+    }
+    return s;
+}
+
+/* From a cell to the next one on an axis, which are so many apart, around the end. */
+static inline uint32_t step_from(uint32_t at, uint32_t count, uint32_t apart)
+{
+    return at + 1 < count ? apart : apart - count * apart;
+}
+
+/* The same as cells_of for a span of two cells on each axis at the most, without a question: how
+ * many they are follows no pattern. */
+static inline uint32_t cells_of_few(const struct span *s, uint32_t first, const uint32_t count[3],
+                                    uint32_t cell[MOST_CELLS])
+{
+    uint32_t x = step_from(s->low[0], count[0], 1), y = step_from(s->low[1], count[1], count[0]),
+             z = step_from(s->low[2], count[2], count[0] * count[1]), n = 1u << s->more[0];
+    cell[0] = first + (s->low[2] * count[1] + s->low[1]) * count[0] + s->low[0];
+    cell[1] = cell[0] + x;
+    for (uint32_t i = 0; i < 2; i++) cell[n + i] = cell[i] + y;
+    n <<= s->more[1];
+    for (uint32_t i = 0; i < 4; i++) cell[n + i] = cell[i] + z;
+    return n << s->more[2];
+}
+
+/* Writes the numbers, among all, of the cells of a span; returns how many they are. */
+static inline uint32_t cells_of(const struct layout *l, const struct span *s, uint32_t cell[MOST_CELLS])
+{
+    const struct level *level = &l->level[s->level];
+    const uint32_t *count = level->count, first = (uint32_t)(level->cell - l->cell);
+    uint32_t n = 0;
+    if ((s->more[0] | s->more[1] | s->more[2]) <= 1) return cells_of_few(s, first, count, cell);
+    for (uint32_t k = 0, z = s->low[2]; k <= s->more[2]; k++, z = z + 1 < count[2] ? z + 1 : 0)
+        for (uint32_t j = 0, y = s->low[1]; j <= s->more[1]; j++, y = y + 1 < count[1] ? y + 1 : 0)
+            for (uint32_t i = 0, x = s->low[0]; i <= s->more[0]; i++, x = x + 1 < count[0] ? x + 1 : 0)
+                cell[n++] = first + (z * count[1] + y) * count[0] + x;
+    return n;
+}
+
+/* Where fat bounds are to be in a layout, but for their cells. */
+static inline void steps_of(const struct layout *l, const struct bounds *fat, struct spot *s)
+{
+    s->base = range_of(l, fat);
+    units_of(l->fine, fat->min, s->low);
+    units_of(l->fine, fat->max, s->high);
+    s->level = msap_level_for(&s->base);
+    rounded_on(l, s->level, s, &s->rounded);
+}
+
+/* Where fat bounds are to be in a layout. */
+static inline void spot_of(const struct layout *l, const struct bounds *fat, struct spot *s)
+{
+    steps_of(l, fat, s);
+    struct span span = span_on(l, &s->base, s->level);
+    s->cells = cells_of(l, &span, s->cell);
 }
 
 #endif

@@ -33,22 +33,22 @@ struct range msap_range_as_told(const struct layout *l, struct range units)
     return units;
 }
 
-static uint64_t cells_in(struct range r, uint32_t shift)
+static uint64_t cells_in(const struct range *r, uint32_t shift)
 {
     uint64_t cells = 1;
     for (uint32_t k = 0; k < 3; k++) {
-        uint64_t wide = (uint64_t)((int64_t)floor_shift(r.high[k], shift) - floor_shift(r.low[k], shift) + 1);
+        uint64_t wide = (uint64_t)((int64_t)floor_shift(r->high[k], shift) - floor_shift(r->low[k], shift) + 1);
         cells *= wide < 65536 ? wide : 65536;
     }
     return cells;
 }
 
 /* The finest level on which a box touches no more than MOST_CELLS. */
-uint32_t msap_level_for(struct range base)
+uint32_t msap_level_for(const struct range *base)
 {
     uint32_t level = 0;
-    if (base.high[0] <= base.low[0] + 1 && base.high[1] <= base.low[1] + 1 && base.high[2] <= base.low[2] + 1)
-        return 0; /* 8 cells at the most */
+    const int32_t *low = base->low, *high = base->high;
+    if ((high[0] <= low[0] + 1) & (high[1] <= low[1] + 1) & (high[2] <= low[2] + 1)) return 0; /* 8 at the most */
     while (level < TOP && cells_in(base, LEVEL_SHIFT * level) > MOST_CELLS) level++;
     return level;
 }
@@ -127,97 +127,168 @@ void msap_grid_free(struct grid *g, struct memory *m)
 
 /* -------------------------------------------------- entering, kept and left */
 
-static inline struct cell_walk cells_of(struct layout *l, uint32_t level, struct range base)
+/* Writes a box into its cells. Returns 0 without memory. */
+static int enter(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct spot *spot)
 {
-    return cell_walk(&l->level[level], range_on(l, base, level));
-}
-
-/* Writes a box into cells. Returns 0 without memory. */
-static int enter(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct cell_walk w)
-{
-    for (struct cell *c; (c = cell_next(&w)) != NULL;)
-        if (!msap_cell_insert(c, &g->pool, m, &g->boxes->at[slot].fat, slot, is_static)) return 0;
+    struct layout *l = &g->layout[g->current];
+    for (uint32_t i = 0; i < spot->cells; i++)
+        if (!msap_cell_insert(&l->cell[spot->cell[i]], &g->pool, m, &spot->rounded, slot, is_static)) return 0;
     return 1;
 }
 
-/* Puts a box that has its fat bounds, layout and level into its cells: base, as
- * msap_range_of gives them. Returns 0 without memory. */
-int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
+/* Puts a box that has its fat bounds, layout and level into its cells. Returns 0 without memory. */
+int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct spot *spot)
 {
     struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
-    if (!enter(g, m, slot, is_static, cells_of(l, p->level, base))) return 0;
+    if (!enter(g, m, slot, is_static, spot)) return 0;
     l->level[p->level].boxes++;
     l->boxes++;
     return 1;
 }
 
-static void exit_from(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct cell_walk w)
+/* Takes a box out of the cells that it is in. */
+static void exit_from(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct range *base)
 {
-    for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_remove(c, &g->pool, m, slot, is_static);
+    const struct box *b = &g->boxes->at[slot];
+    struct layout *l = &g->layout[b->layout];
+    struct span span = span_on(l, base, b->level);
+    uint32_t cell[MOST_CELLS], n = cells_of(l, &span, cell);
+    for (uint32_t i = 0; i < n; i++) msap_cell_remove(&l->cell[cell[i]], &g->pool, m, slot, is_static);
 }
 
-/* Takes a box out of its cells. */
+/* A box leaves its cells. */
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base)
 {
     struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
-    exit_from(g, m, slot, is_static, cells_of(l, p->level, base));
+    exit_from(g, m, slot, is_static, &base);
     l->level[p->level].boxes--;
     l->boxes--;
     p->level = NO_LEVEL;
 }
 
-static int same_range(const struct range *a, const struct range *b) { return memcmp(a, b, sizeof *a) == 0; }
-
 /* Brings the cells of a box up to date with its fat bounds: they were `from` of its layout and
- * are to be `to` of the current one. Cells left, kept and entered (paper II.3c): mostly all are
+ * are to be those of a spot_of the current one. Cells left, kept and entered (paper II.3c): mostly all are
  * kept, else all are left and all are entered. Returns 0 without memory. */
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
-                   struct range to)
+                   const struct spot *to)
 {
     struct box *p = &g->boxes->at[slot];
     struct layout *l = &g->layout[p->layout];
-    if (p->layout == g->current && same_range(&from, &to)) {
-        struct cell_walk w = cells_of(l, p->level, to);
-        for (struct cell *c; (c = cell_next(&w)) != NULL;) msap_cell_update(c, &p->fat, slot, is_static);
+    if (p->layout == g->current && is_same_range(&from, &to->base)) {
+        for (uint32_t i = 0; i < to->cells; i++)
+            msap_cell_update(&l->cell[to->cell[i]], &to->rounded, slot, is_static);
         return 1;
     }
-    if (p->layout == g->current && p->level == msap_level_for(to)) { /* as many boxes are in it as before */
-        exit_from(g, m, slot, is_static, cells_of(l, p->level, from));
-        return enter(g, m, slot, is_static, cells_of(l, p->level, to));
+    if (p->layout == g->current && p->level == to->level) { /* as many boxes are in it as before */
+        exit_from(g, m, slot, is_static, &from);
+        return enter(g, m, slot, is_static, to);
     }
     msap_grid_take(g, m, slot, is_static, from);
     p->layout = (uint8_t)g->current;
-    p->level = (uint8_t)msap_level_for(to);
+    p->level = (uint8_t)to->level;
     return msap_grid_put(g, m, slot, is_static, to);
 }
 
 /* ------------------------------------------------------------------ asking */
 
-/* The part of a query (below) over some cells. */
-static void query_cells(const struct grid *g, struct worker *w, struct cell_walk walk, uint32_t self,
-                        int is_static)
+/* A box that asks cells. */
+struct asking {
+    const struct grid *grid;
+    const struct bounds *fat;
+    struct rounded rounded; /* for the level that is asked */
+    int is_short, is_static;
+};
+
+static inline struct asking asking_for(const struct grid *g, uint32_t self, int is_static, const struct spot *spot)
 {
-    const struct bounds *fat = &g->boxes->at[self].fat;
-    for (struct cell *c; (c = cell_next(&walk)) != NULL;) {
-        if (c->n == 0) continue;
-        msap_worker_put_found(w, self, g->sweep(c, 0, is_static ? c->n_moving : c->n, fat, w->found));
-    }
+    struct asking a = {g, &g->boxes->at[self].fat, spot->rounded, 1, is_static};
+    return a;
 }
 
-/* Writes, behind each other as pairs with `self`, the boxes on levels from `first` to
- * `last` - 1 whose fat bounds overlap those of `self`, itself among them; for a static box,
- * those that are not static. A box that is met in several cells is written several times. */
+/* The way through the cells of a level that it touches. */
+static inline struct cell_walk walk_on(struct asking *a, const struct layout *l, uint32_t level,
+                                       const struct spot *spot)
+{
+    a->is_short = rounded_on(l, level, spot, &a->rounded);
+    return cell_walk(&l->level[level], range_on(l, &spot->base, level));
+}
+
+/* How many rows of a cell are asked. */
+static inline uint32_t rows_asked(const struct asking *a, const struct cell *c)
+{
+    return a->is_static ? c->n_moving : c->n;
+}
+
+/* Asks a cell. Of a box that is too long for its rounded bounds to be compared, the bounds are. */
+static inline size_t ask_cell(const struct asking *a, const struct cell *c, uint32_t *out)
+{
+    uint32_t rows = rows_asked(a, c);
+    size_t n = 0;
+    if (rows == 0) return 0;
+    if (a->is_short) return a->grid->sweep(c, 0, rows, &a->rounded, out);
+    for (uint32_t row = 0; row < rows; row++) {
+        out[n] = c->block[row / 8].id[row % 8];
+        n += (size_t)overlap(&a->grid->boxes->at[out[n]].fat, a->fat);
+    }
+    return n;
+}
+
+/* Asks a cell and puts what is found behind the *n that the worker has found. Returns 0 without room. */
+static inline int find_in(const struct asking *a, struct worker *w, const struct cell *c, size_t *n)
+{
+    if (w->room_found < *n + c->n + FOUND_SLACK && !msap_worker_room_to_find(w, *n, c->n)) return 0;
+    *n += ask_cell(a, c, w->found + *n);
+    return 1;
+}
+
+/* Asks the levels of a layout but `but`. */
+static int find_on_others(struct asking *a, struct worker *w, const struct layout *l, uint32_t but,
+                          const struct spot *spot, size_t *n)
+{
+    for (uint32_t level = 0; level < LEVELS; level++) {
+        if (level == but || l->level[level].boxes == 0) continue;
+        struct cell_walk walk = walk_on(a, l, level, spot);
+        for (const struct cell *c; (c = cell_next(&walk)) != NULL;)
+            if (!find_in(a, w, c, n)) return 0;
+    }
+    return 1;
+}
+
+/* Writes into the worker's list what boxes there are whose fat bounds, rounded, overlap those of `self`,
+ * itself among them; for a static box, those that are not static. A box that is met in several cells is
+ * written several times. Returns how many; or, without room, SIZE_MAX. */
+size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static, const struct spot *spot)
+{
+    const struct layout *l = &g->layout[g->current], *other = &g->layout[1 - g->current];
+    struct asking a = asking_for(g, self, is_static, spot);
+    size_t n = 0;
+    for (uint32_t i = 0; i < spot->cells; i++)
+        if (!find_in(&a, w, &l->cell[spot->cell[i]], &n)) return SIZE_MAX;
+    if (l->boxes > l->level[spot->level].boxes && !find_on_others(&a, w, l, spot->level, spot, &n))
+        return SIZE_MAX;
+    if (other->boxes > 0) {
+        struct spot there;
+        spot_of(other, a.fat, &there);
+        if (!find_on_others(&a, w, other, LEVELS, &there, &n)) return SIZE_MAX;
+    }
+    return n;
+}
+
+/* The same on levels from `first` to `last` - 1 of the current layout, which is the only one: they are
+ * written, behind each other, as pairs with `self`. There is room to find what is in any cell. */
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last)
 {
-    for (int i = 0; i < 2; i++) {
-        const struct layout *l = &g->layout[i];
-        if (l->boxes == 0) continue;
-        struct range base = range_of(l, &g->boxes->at[self].fat);
-        for (uint32_t level = first; level < last; level++)
-            if (l->level[level].boxes > 0)
-                query_cells(g, w, cell_walk(&l->level[level], range_on(l, base, level)), self, is_static);
+    const struct layout *l = &g->layout[g->current];
+    struct spot spot;
+    spot_of(l, &g->boxes->at[self].fat, &spot);
+    struct asking a = asking_for(g, self, is_static, &spot);
+    for (uint32_t level = first; level < last; level++) {
+        if (l->level[level].boxes == 0) continue;
+        struct cell_walk walk = walk_on(&a, l, level, &spot);
+        for (struct cell *c; (c = cell_next(&walk)) != NULL;)
+            msap_worker_put_found(w, self, ask_cell(&a, c, w->found));
     }
 }

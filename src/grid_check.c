@@ -27,23 +27,35 @@ void msap_grid_count(const struct grid *g, msap_world_stats *stats)
 
 /* ------------------------------------------------------------------- cells */
 
-static uint64_t cells_of(const struct grid *g, uint32_t slot)
+static uint64_t count_cells_of(const struct grid *g, uint32_t slot)
 {
     const struct box *p = &g->boxes->at[slot];
     const struct layout *l = &g->layout[p->layout];
-    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, range_of(l, &p->fat), p->level));
+    struct range base = range_of(l, &p->fat);
+    struct cell_walk w = cell_walk(&l->level[p->level], range_on(l, &base, p->level));
     uint64_t n = 0;
     while (cell_next(&w)) n++;
     return n;
 }
 
-static const char *row_broken(const struct box_table *boxes, const struct cell *c, uint32_t row)
+/* Whether what a cell knows of a box is not its fat bounds, rounded. */
+static int is_rounded_otherwise(const struct layout *l, const struct box *b, const struct rounded *known)
 {
-    struct bounds b;
-    uint32_t slot = msap_cell_row(c, row, &b);
+    struct spot spot;
+    struct rounded *r = &spot.rounded;
+    spot_of(l, &b->fat, &spot);
+    if (b->level != spot.level || !rounded_on(l, b->level, &spot, r)) return 1;
+    return memcmp(r->low, known->low, 3 * sizeof *r->low) != 0 || memcmp(r->high, known->high, 3 * sizeof *r->high) != 0;
+}
+
+static const char *row_broken(const struct layout *l, const struct box_table *boxes, const struct cell *c,
+                              uint32_t row)
+{
+    struct rounded r;
+    uint32_t slot = msap_cell_row(c, row, &r);
     if (slot >= boxes->used || boxes->at[slot].level == NO_LEVEL)
         return "a cell names a box that is not in the grid";
-    if (memcmp(&b, &boxes->at[slot].fat, sizeof b) != 0) return "a cell has other bounds than the box's fat ones";
+    if (is_rounded_otherwise(l, &boxes->at[slot], &r)) return "a cell has other bounds than the box's fat ones";
     if ((row < c->n_moving) == ((boxes->at[slot].flags & BOX_STATIC) != 0))
         return "a cell mixes static and moving";
     return NULL;
@@ -57,7 +69,7 @@ static const char *layout_broken(const struct layout *l, const struct box_table 
         if (c->n > c->room || c->n_moving > c->n) return "a cell is overfull";
         *rows += c->n;
         for (uint32_t row = 0; row < c->n; row++) {
-            const char *broken = row_broken(boxes, c, row);
+            const char *broken = row_broken(l, boxes, c, row);
             if (broken) return broken;
         }
     }
@@ -74,7 +86,7 @@ static const char *cells_broken(const struct grid *g, const struct box_table *bo
     }
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         if (boxes->at[slot].level == NO_LEVEL) continue;
-        expected += cells_of(g, slot);
+        expected += count_cells_of(g, slot);
         in_grid++;
     }
     if (in_grid != g->layout[0].boxes + g->layout[1].boxes) return "the layouts hold another number of boxes";

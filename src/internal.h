@@ -423,15 +423,17 @@ const char *msap_sap_broken(const struct sap *s, const struct box_table *boxes);
 
 /* ----------------------------------------------------------------- phase.c */
 
+enum { FOUND_SLACK = 8 /* what a sweep may write behind the last that it finds */ };
+
 /* What one thread of a phase writes. */
 struct worker {
     struct settler settler;
     struct keys pairs; /* pairs of slots that were found */
     struct pool stock; /* while it moves boxes: room for neighbour lists */
-    uint32_t *found;   /* [slots + 8] what a sweep has found */
+    uint32_t *found;   /* [room_found] what sweeps have found */
     uint32_t *tag;     /* [slots] `token` marks what was found for a box */
     uint32_t token;
-    size_t slots; /* that both are ready for */
+    size_t slots; /* that tags are ready for */
     size_t room_found, room_tag;
 };
 
@@ -475,6 +477,7 @@ enum {
 typedef void (*phase_fn)(void *context, struct worker *w, size_t first, size_t last);
 void msap_crew_init(struct crew *crew, const msap_config *config);
 int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots);
+int msap_crew_room_to_find(struct crew *crew, struct memory *m, size_t n);
 void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs);
 void msap_crew_free(struct crew *crew, struct memory *m);
 size_t msap_phase_tasks(const struct crew *crew, size_t n, size_t weight);
@@ -483,6 +486,7 @@ int msap_worker_has_room(struct worker *w, size_t n, size_t slack);
 void msap_worker_put(struct worker *w, uint64_t key);
 void msap_worker_put_found(struct worker *w, uint32_t self, size_t n);
 void msap_worker_new_token(struct worker *w);
+int msap_worker_room_to_find(struct worker *w, size_t n, size_t more);
 
 /* How many pairs a box has, by the last commit. */
 static inline size_t pairs_of_a_box(const struct job *job) { return job->pairs->active / (job->boxes->live + 1); }
@@ -561,9 +565,28 @@ void msap_near_empty(struct near_lists *all, struct memory *m, size_t slots);
 
 /* ---------------------------------------------------------- cell.c, simd.c */
 
+/* Fat bounds as a cell knows them: in steps of its level, rounded down, modulo 2^16. */
+struct rounded {
+    uint16_t low[4];  /* of min; the fourth means nothing */
+    uint16_t high[4]; /* of max, negated */
+};
+enum { MOST_STEPS = 30000 }; /* that a box may be long which others are compared with */
+
+/* What other boxes are compared with: they are apart from this one exactly if one of their values
+ * is above, that is, if the difference of 16 bits has the upper one set. */
+static inline struct rounded facing(const struct rounded *r)
+{
+    struct rounded f = {{0}, {0}};
+    for (int k = 0; k < 3; k++) {
+        f.low[k] = (uint16_t)(0u - r->high[k]);
+        f.high[k] = (uint16_t)(0u - r->low[k]);
+    }
+    return f;
+}
+
 /* Eight boxes of a cell, each in a column. */
 struct cell_block {
-    int32_t min[3][8], max[3][8];
+    uint16_t low[3][8], high[3][8]; /* rounded */
     uint32_t id[8];
 };
 
@@ -574,53 +597,73 @@ struct cell {
     uint32_t n, n_moving, room;
 };
 
-static inline void cell_put_row(struct cell *c, uint32_t row, const struct bounds *b, uint32_t slot)
+static inline void cell_put_row(struct cell *c, uint32_t row, const struct rounded *r, uint32_t slot)
 {
     struct cell_block *block = &c->block[row / 8];
     uint32_t column = row % 8;
-    block->min[0][column] = b->min[0];
-    block->min[1][column] = b->min[1];
-    block->min[2][column] = b->min[2];
-    block->max[0][column] = b->max[0];
-    block->max[1][column] = b->max[1];
-    block->max[2][column] = b->max[2];
+    block->low[0][column] = r->low[0];
+    block->low[1][column] = r->low[1];
+    block->low[2][column] = r->low[2];
+    block->high[0][column] = r->high[0];
+    block->high[1][column] = r->high[1];
+    block->high[2][column] = r->high[2];
     block->id[column] = slot;
 }
 
 int msap_cell_make_room(struct cell *c, struct pool *p, struct memory *m, uint32_t n);
-int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct bounds *b, uint32_t slot,
+int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const struct rounded *r, uint32_t slot,
                      int is_static);
-void msap_cell_update(struct cell *c, const struct bounds *b, uint32_t slot, int is_static);
+void msap_cell_update(struct cell *c, const struct rounded *r, uint32_t slot, int is_static);
 void msap_cell_remove(struct cell *c, struct pool *p, struct memory *m, uint32_t slot, int is_static);
 void msap_cell_sift(struct cell *c, struct pool *p, struct memory *m, const uint32_t *tag, uint32_t token);
 void msap_cells_empty(struct cell *c, size_t n, struct pool *p, struct memory *m);
-uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct bounds *b);
+uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct rounded *r);
 
-typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
+typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct rounded *r,
                            uint32_t *out);
 sweep_fn msap_sweep_for(uint32_t simd);
 
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
-enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, MOST_CELLS = 8 };
 enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
-/* Cells of an axis-aligned block of the grid, low and high included. */
+enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, MOST_CELLS = 8 };
+/* Cells of an axis-aligned block of the grid, low and high included. The fourth of each means nothing. */
 struct range {
-    int32_t low[3], high[3];
+    int32_t low[4], high[4];
+};
+
+/* The cells of a box on its level: from which one, as wrapped, and how many more on each
+ * axis. */
+struct span {
+    uint16_t low[3];
+    uint8_t more[3];
+    uint8_t level; /* NO_LEVEL: the slot has no live box */
+    uint8_t is_static;
+};
+
+/* Where fat bounds are in a layout: their cells, and what these know of them. */
+struct spot {
+    struct range base;       /* the cells of level 0 */
+    int32_t low[4], high[4]; /* in steps of level 0 */
+    uint32_t level, cells;   /* on which they are to be, and in how many cells */
+    struct rounded rounded;  /* what these know */
+    uint32_t cell[MOST_CELLS]; /* their numbers among all */
 };
 
 /* A wrapped grid of count[0] * count[1] * count[2] cells: cell x of an axis is the
  * same as cell x + count. A cell of a level is 4 cells of the level before wide. */
 struct level {
     struct cell *cell; /* the first of its cells among all */
-    uint32_t count[3];
+    uint32_t count[4];
     size_t boxes; /* that are in this level */
+    int32_t first_step[4], last_step[4]; /* what is beyond counts as there */
 };
 
 /* A choice of cells, and what is in them. */
 struct layout {
     float scale[4];    /* floor(x * scale) counts units of an axis: powers of two; 0: all is one unit */
+    float fine[4];     /* floor(x * fine) counts steps of level 0; those of the next are 4 times as wide */
     int is_told;       /* a unit is a cell of level 0, unless the grid is as told: then */
     int32_t origin[3]; /* from this unit on */
     int32_t width[3];  /* so many are */
@@ -716,11 +759,12 @@ void msap_grid_free(struct grid *g, struct memory *m);
 void msap_grid_trim(struct grid *g, struct memory *m, size_t slots);
 int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots);
 struct range msap_range_as_told(const struct layout *l, struct range units);
-uint32_t msap_level_for(struct range base);
-int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
+uint32_t msap_level_for(const struct range *base);
+int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static, const struct spot *spot);
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
-                   struct range to);
+                   const struct spot *to);
+size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static, const struct spot *spot);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last);
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
@@ -780,18 +824,16 @@ struct region {
 /* How far a move has come. */
 enum {
     MOVE_WAITS,
-    MOVE_PLACED, /* the box has its new skin and is in its cells */
-    MOVE_ASKED,  /* within msap_renew_few: they have been asked for its neighbours */
-    MOVE_DONE,   /* and it has a list of them */
+    MOVE_PLACED, /* within msap_move_few: the box has its new skin and is in its cells */
+    MOVE_DONE,   /* and it has a list of its neighbours */
     MOVE_STUCK   /* placed, and its list is left to the calling thread */
 };
 
 enum { MOVES_AT_ONCE = 32 }; /* boxes whose cells are still in the cache when they are asked */
 
-int msap_place_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
-                   uint8_t *state, size_t n);
-int msap_renew_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
-                   uint8_t *state, size_t n);
+int msap_move_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                  uint8_t *state, size_t n);
+int msap_finish_move(struct grid *g, const struct job *job, uint32_t slot);
 int msap_is_near(const void *grid, uint32_t a, uint32_t b);
 const uint64_t *msap_order_by_cell(const struct grid *g, const struct job *job, uint32_t *slot, size_t n);
 uint8_t *msap_share_moves(struct grid *g, const struct job *job, uint32_t *slot, size_t n);

@@ -125,12 +125,10 @@ static int make_levels(struct layout *l, struct memory *m, const uint32_t count[
 }
 
 /* From the boxes: powers of two. */
-static void lay_out_for_boxes(struct layout *l, const msap_config *c, const struct box_table *boxes,
+static void lay_out_for_boxes(struct layout *l, const msap_config *c, struct spread s[3], size_t boxes,
                               uint32_t count[3])
 {
-    struct spread s[3];
-    msap_spread_of(boxes, s);
-    choose_cells(s, (double)boxes->live, c->cell_size);
+    choose_cells(s, (double)boxes, c->cell_size);
     for (uint32_t k = 0; k < 3; k++) {
         count[k] = s[k].exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(&s[k]));
         l->scale[k] = count[k] == 1 ? 0 : (float)msap_power_of_two(-s[k].exponent);
@@ -138,6 +136,7 @@ static void lay_out_for_boxes(struct layout *l, const msap_config *c, const stru
 }
 
 static double larger(double a, double b) { return a > b ? a : b; }
+static double within(double value, double most) { return value < -most ? -most : value < most ? value : most; }
 
 /* As configured. The larger of the bounds is 2^24 units, as much as a float can tell
  * apart; a cell is a whole number of them. */
@@ -158,6 +157,29 @@ static void lay_out_as_told(struct layout *l, const msap_config *c, uint32_t cou
     }
 }
 
+/* The steps of an axis. Where it is divided, a step is from a 256th of a cell up to twice that, and all
+ * steps count, as far as cells do: no box is longer than some cells of its level. Where it is not, and on the
+ * top level, boxes are of any length, so what is far from the middle counts as if it were nearer. */
+static void choose_steps(struct layout *l, const struct spread *s, uint32_t k, int is_divided)
+{
+    enum { STEPS_BITS = 8, HALF = MOST_STEPS / 2 };
+    const double most = (1 << 30) - 1;
+    int step;
+    if (is_divided) step = msap_exponent_for((l->is_told ? l->width[k] : 1) / (double)l->scale[k]) - STEPS_BITS;
+    else step = msap_exponent_for(larger(s->size / (1 << STEPS_BITS), s->extent / MOST_STEPS));
+    double fine = msap_power_of_two(step > WIDEST_CELL ? -WIDEST_CELL : -step);
+    double middle = within((s->low + s->extent / 2) * fine, most);
+    double end = is_divided ? within(MOST_UNITS / l->scale[k] * fine, most) : 0;
+    l->fine[k] = (float)fine;
+    for (uint32_t i = 0; i < LEVELS; i++) {
+        struct level *level = &l->level[i];
+        int is_open = !is_divided || i == TOP;
+        int32_t at = floor_shift((int32_t)middle, LEVEL_SHIFT * i);
+        level->first_step[k] = is_open ? at - HALF : floor_shift(-(int32_t)end, LEVEL_SHIFT * i);
+        level->last_step[k] = is_open ? at + HALF : floor_shift((int32_t)end, LEVEL_SHIFT * i);
+    }
+}
+
 /* A layout is good for about as many boxes as it was chosen for. */
 int msap_is_outgrown(size_t chosen_for, size_t boxes)
 {
@@ -168,11 +190,14 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes)
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes)
 {
     struct layout *l = &g->layout[g->current];
+    struct spread s[3];
     uint32_t count[3];
+    msap_spread_of(boxes, s);
     if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(l, g->config, count);
-    else lay_out_for_boxes(l, g->config, boxes, count);
+    else lay_out_for_boxes(l, g->config, s, boxes->live, count);
     l->chosen_for = l->n_cells = l->boxes = 0;
     if (!make_levels(l, m, count)) return 0;
+    for (uint32_t k = 0; k < 3; k++) choose_steps(l, &s[k], k, count[k] > 1);
     l->chosen_for = boxes->live + 1;
     l->chosen_at = g->commit;
     return 1;
@@ -201,10 +226,12 @@ static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
     enum { COMMITS = 16 };
     struct layout now = g->layout[g->current];
     const struct layout *then = &g->layout[g->current];
+    struct spread s[3];
     uint32_t count[3];
     if (msap_is_outgrown(then->chosen_for, boxes->live)) return 1;
     if ((g->commit - then->chosen_at) % COMMITS != COMMITS - 1) return 0;
-    lay_out_for_boxes(&now, g->config, boxes, count);
+    msap_spread_of(boxes, s);
+    lay_out_for_boxes(&now, g->config, s, boxes->live, count);
     for (int k = 0; k < 3; k++)
         if (now.scale[k] > 3 * then->scale[k] || then->scale[k] > 3 * now.scale[k]) return 1;
     return 0;
@@ -221,8 +248,10 @@ static int move_over(struct grid *g, struct memory *m, const struct box_table *b
         uint32_t slot = g->next_to_move;
         const struct box *p = &boxes->at[slot];
         if (p->level == NO_LEVEL || p->layout == g->current) continue;
-        struct range from = range_of(other, &p->fat), to = range_of(&g->layout[g->current], &p->fat);
-        if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from, to)) return 0;
+        struct range from = range_of(other, &p->fat);
+        struct spot to;
+        spot_of(&g->layout[g->current], &p->fat, &to);
+        if (!msap_grid_move(g, m, slot, (boxes->at[slot].flags & BOX_STATIC) != 0, from, &to)) return 0;
     }
     if (other->boxes == 0) msap_layout_free(other, m);
     return 1;

@@ -26,14 +26,14 @@ static int is_within(const struct region *own, const struct layout *l, const str
 
 enum { INSIDE = 1 /* layer: then nearly all neighbours lie in the region, too */ };
 
-/* Whether a box, which was in cells `from`, may be put into cells `to`: none of them belongs to
+/* Whether a box, which was in cells `from`, may be put elsewhere: none of them belongs to
  * another worker, and no memory is taken or given back. */
-static int may_place(const struct grid *g, const struct region *own, struct range from, struct range to)
+static int may_place(const struct grid *g, const struct region *own, struct range from, const struct spot *spot)
 {
     const struct layout *l = &g->layout[g->current];
-    struct cell_walk left = cell_walk(&l->level[0], from), entered = cell_walk(&l->level[0], to);
-    if (memcmp(&from, &to, sizeof from) == 0) return 1;
-    if (!is_within(own, l, &to, INSIDE) || msap_level_for(to) != 0) return 0;
+    struct cell_walk left = cell_walk(&l->level[0], from), entered = cell_walk(&l->level[0], spot->base);
+    if (is_same_range(&from, &spot->base)) return 1;
+    if (!is_within(own, l, &spot->base, INSIDE) || spot->level != 0) return 0;
     for (const struct cell *c; (c = cell_next(&left)) != NULL;)
         if (c->n == 1) return 0;
     for (const struct cell *c; (c = cell_next(&entered)) != NULL;)
@@ -73,25 +73,26 @@ static void renew_skin(const struct grid *g, uint32_t slot)
     msap_skin_renew(g, slot, count_vain(&g->near.of[slot], g->boxes->at, slot));
 }
 
-/* A box enters the grid, or gets a new skin and moves in it. Returns 0 without memory. */
-static int place(struct grid *g, const struct job *job, uint32_t slot)
+/* A box enters the grid, or gets a new skin and moves in it; *spot becomes where it is then. Returns 0
+ * without memory. */
+static int place(struct grid *g, const struct job *job, uint32_t slot, struct spot *spot)
 {
     struct box *b = &job->boxes->at[slot];
     if (b->level != NO_LEVEL) {
         struct range from = range_of(&g->layout[b->layout], &b->fat);
         renew_skin(g, slot);
-        return msap_grid_move(g, job->memory, slot, is_static(b), from,
-                              range_of(&g->layout[g->current], &b->fat));
+        spot_of(&g->layout[g->current], &b->fat, spot);
+        return msap_grid_move(g, job->memory, slot, is_static(b), from, spot);
     }
     msap_skin_first(g, slot);
-    struct range base = range_of(&g->layout[g->current], &b->fat);
+    spot_of(&g->layout[g->current], &b->fat, spot);
     b->layout = (uint8_t)g->current;
-    b->level = (uint8_t)msap_level_for(base);
-    return msap_grid_put(g, job->memory, slot, is_static(b), base);
+    b->level = (uint8_t)spot->level;
+    return msap_grid_put(g, job->memory, slot, is_static(b), spot);
 }
 
 /* The same by a worker. Returns 0, with nothing done, if it may not. */
-static int place_own(struct grid *g, const struct region *own, uint32_t slot)
+static int place_own(struct grid *g, const struct region *own, uint32_t slot, struct spot *spot)
 {
     struct box *b = &g->boxes->at[slot], before = *b;
     struct start start = g->start[slot];
@@ -100,8 +101,8 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot)
     struct range from = range_of(l, &b->fat);
     if (!is_within(own, l, &from, INSIDE)) return 0;
     renew_skin(g, slot);
-    struct range to = range_of(l, &b->fat);
-    if (may_place(g, own, from, to)) return msap_grid_move(g, NULL, slot, is_static(b), from, to);
+    spot_of(l, &b->fat, spot);
+    if (may_place(g, own, from, spot)) return msap_grid_move(g, NULL, slot, is_static(b), from, spot);
     *b = before;
     g->start[slot] = start;
     return 0;
@@ -147,20 +148,29 @@ static int join(struct grid *g, const struct job *job, const struct region *own,
     return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
 }
 
-/* Makes the list of a box what was found for it: the worker's pairs from *at on that name it, which
- * *at is left behind. Returns 0 without memory, and if a worker may not. */
-static int renew_list(struct grid *g, const struct job *job, const struct region *own, uint32_t slot, size_t *at)
+/* Tags those of n boxes found that are near. */
+static void tag_near(struct worker *w, const struct box *box, uint32_t slot, size_t n)
+{
+    msap_worker_new_token(w);
+    const struct box self = box[slot];
+    const uint32_t *found = w->found, token = w->token;
+    uint32_t *tag = w->tag;
+    for (size_t i = 0; i < n; i++) tag[found[i]] = overlap(&self.fat, &box[found[i]].fat) ? token : tag[found[i]];
+    tag[slot] = token + 1; /* it finds itself */
+}
+
+/* Gives a box that is placed the list of its neighbours. Returns 0 without memory, and if a worker
+ * may not. */
+static int renew_list(struct grid *g, const struct job *job, const struct region *own, uint32_t slot,
+                      const struct spot *spot)
 {
     struct worker *w = job->worker;
-    const uint64_t *found = w->pairs.at;
-    size_t first = *at, last = first;
-    msap_worker_new_token(w);
-    for (; last < w->pairs.n && found[last] >> 32 == slot; last++) w->tag[(uint32_t)found[last]] = w->token;
-    *at = last;
-    w->tag[slot] = w->token + 1; /* it finds itself */
+    size_t n = msap_grid_find(g, w, slot, is_static(&job->boxes->at[slot]), spot);
+    if (n == SIZE_MAX) return 0;
+    tag_near(w, job->boxes->at, slot, n);
     if (!part_from_old(g, job, own, slot)) return 0;
-    for (size_t i = first; i < last; i++) {
-        uint32_t other = (uint32_t)found[i];
+    for (size_t i = 0; i < n; i++) {
+        uint32_t other = w->found[i];
         if (w->tag[other] != w->token) continue;
         w->tag[other] = w->token + 1;
         if (!join(g, job, own, slot, other)) return 0;
@@ -178,54 +188,29 @@ int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ the whole */
 
-/* Puts those of n boxes that wait into their new cells. Returns 0 without memory; a worker places
- * those that it may, and returns 1. */
-int msap_place_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
-                   uint8_t *state, size_t n)
+/* Moves those of n boxes that wait. Returns 0 without memory; a worker moves those that it may, and
+ * returns 1. */
+int msap_move_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
+                  uint8_t *state, size_t n)
 {
+    struct spot spot[MOVES_AT_ONCE];
     for (size_t i = 0; i < n; i++) {
         if (state[i] != MOVE_WAITS) continue;
-        if (own ? place_own(g, own, slot[i]) : place(g, job, slot[i])) state[i] = MOVE_PLACED;
+        if (own ? place_own(g, own, slot[i], &spot[i]) : place(g, job, slot[i], &spot[i])) state[i] = MOVE_PLACED;
         else if (!own) return 0;
     }
-    return 1;
-}
-
-/* Asks the cells of boxes that are placed, as many as there is memory for. Returns 0 if that is not
- * enough for all. */
-static int ask(const struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
-               uint8_t *state, size_t n)
-{
-    struct worker *w = job->worker;
-    w->pairs.n = 0;
     for (size_t i = 0; i < n; i++) {
-        size_t had = w->pairs.n;
-        if (state[i] != MOVE_PLACED && (own || state[i] != MOVE_STUCK)) continue;
-        msap_grid_query(g, w, slot[i], is_static(&job->boxes->at[slot[i]]), 0, LEVELS);
-        if (w->settler.lost) {
-            w->settler.lost = own == NULL;
-            w->pairs.n = had;
-            return 0;
-        }
-        state[i] = MOVE_ASKED;
+        if (state[i] != MOVE_PLACED) continue;
+        state[i] = renew_list(g, job, own, slot[i], &spot[i]) ? MOVE_DONE : MOVE_STUCK;
+        if (!own && state[i] == MOVE_STUCK) return 0;
     }
     return 1;
 }
 
-/* Gives those of n boxes that are placed their lists. Returns 0 without memory; a worker, which gets
- * stuck where it may not go on, returns 0 if it should be called once more. */
-int msap_renew_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
-                   uint8_t *state, size_t n)
+/* Gives a box that a worker has placed its list. Returns 0 without memory. */
+int msap_finish_move(struct grid *g, const struct job *job, uint32_t slot)
 {
-    int had_room = ask(g, job, own, slot, state, n), has_asked = 0;
-    if (!had_room && !own) return 0;
-    for (size_t i = 0, at = 0; i < n; i++) {
-        if (state[i] != MOVE_ASKED) continue;
-        state[i] = renew_list(g, job, own, slot[i], &at) ? MOVE_DONE : MOVE_STUCK;
-        if (!own && state[i] != MOVE_DONE) return 0;
-        has_asked = 1;
-    }
-    for (size_t i = 0; !has_asked && i < n; i++)
-        if (state[i] == MOVE_PLACED) state[i] = MOVE_STUCK; /* by one that finds more than there is room for */
-    return had_room || !has_asked;
+    struct spot spot;
+    spot_of(&g->layout[g->current], &job->boxes->at[slot].fat, &spot);
+    return renew_list(g, job, NULL, slot, &spot);
 }

@@ -31,17 +31,25 @@ void msap_crew_init(struct crew *crew, const msap_config *config)
 
 static uint32_t count_of(const struct crew *crew) { return crew->size > 1 ? crew->size + 1 : 1; }
 
-/* Room for what a sweep can find among so many slots, and for a tag of each. */
+/* A tag for each of so many slots. */
 int msap_crew_reserve(struct crew *crew, struct memory *m, size_t slots)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
         if (slots <= w->slots) continue;
-        if (!msap_memory_reserve(m, &w->found, &w->room_found, slots + 8, 0, sizeof *w->found) ||
-            !msap_memory_reserve(m, &w->tag, &w->room_tag, slots, w->slots, sizeof *w->tag))
-            return 0;
+        if (!msap_memory_reserve(m, &w->tag, &w->room_tag, slots, w->slots, sizeof *w->tag)) return 0;
         memset(w->tag + w->slots, 0, (slots - w->slots) * sizeof *w->tag);
         w->slots = slots;
+    }
+    return 1;
+}
+
+/* Room for what a sweep can find among n boxes. */
+int msap_crew_room_to_find(struct crew *crew, struct memory *m, size_t n)
+{
+    for (uint32_t i = 0; i < count_of(crew); i++) {
+        struct worker *w = &crew->worker[i];
+        if (!msap_memory_reserve(m, &w->found, &w->room_found, n + FOUND_SLACK, 0, sizeof *w->found)) return 0;
     }
     return 1;
 }
@@ -59,7 +67,7 @@ void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pa
             kept[k]->n = 0;
             msap_memory_shrink(m, &kept[k]->at, &kept[k]->room, i == 0 ? pairs : 0, sizeof *kept[k]->at);
         }
-        msap_memory_shrink(m, &w->found, &w->room_found, slots + 8, sizeof *w->found);
+        msap_memory_shrink(m, &w->found, &w->room_found, 0, sizeof *w->found);
         msap_memory_shrink(m, &w->tag, &w->room_tag, slots, sizeof *w->tag);
         w->slots = slots < w->slots ? slots : w->slots;
     }
@@ -225,6 +233,16 @@ void msap_worker_put_found(struct worker *w, uint32_t self, size_t n)
     uint64_t *pair = w->pairs.at + w->pairs.n;
     for (size_t i = 0; i < n; i += 4) pairs_of_four(pair + i, self, w->found + i);
     w->pairs.n += n;
+}
+
+/* Whether the worker has room for what a sweep can find among `more` boxes behind the n that are
+ * found. */
+int msap_worker_room_to_find(struct worker *w, size_t n, size_t more)
+{
+    size_t need = n + more + FOUND_SLACK;
+    if (need <= w->room_found) return 1;
+    return w->settler.memory &&
+           msap_memory_reserve(w->settler.memory, &w->found, &w->room_found, need, n, sizeof *w->found);
 }
 
 /* A token that no tag of the worker carries, nor the one after it. */

@@ -18,15 +18,6 @@
  * Steps 1 and 3 and the asking are done by all workers (II.3d). */
 #include "cells.h"
 
-/* The cells of a box on its level: from which one, as wrapped, and how many more on each
- * axis. */
-struct span {
-    uint16_t low[3];
-    uint8_t more[3];
-    uint8_t level; /* NO_LEVEL: the slot has no live box */
-    uint8_t is_static;
-};
-
 /* The boxes of a cell, moving and static: how many, then where in the list the next one is
  * put, in the end where their part of it ends; that of the moving ones is the first. */
 struct tally {
@@ -45,26 +36,12 @@ struct rebuild {
     struct layout *layout; /* the current one */
     struct job *job;
     struct span *span;   /* [slots] */
+    struct rounded *rounded; /* [slots] the fat bounds of a box, as the cells of its level know them */
     struct tally *tally; /* [cells] */
     uint32_t *list;      /* slots, cell after cell */
-    uint32_t *list_end;
 };
 
 /* ------------------------------------------------------------------ step 1 */
-
-static inline void find_span(const struct layout *l, const struct bounds *fat, struct span *s)
-{
-    struct range base = range_of(l, fat);
-    uint32_t level = msap_level_for(base), shift = LEVEL_SHIFT * level;
-    s->level = (uint8_t)level;
-    for (int k = 0; k < 3; k++) {
-        uint32_t count = l->level[level].count[k];
-        int32_t low = floor_shift(base.low[k], shift), high = floor_shift(base.high[k], shift);
-        uint32_t more = (uint32_t)high - (uint32_t)low;
-        s->low[k] = (uint16_t)wrap(low, count);
-        s->more[k] = (uint8_t)(more < count ? more : count - 1);
-    }
-}
 
 /* Whether a box has left its skin or, since that costs little now, soon will. */
 static int needs_skin(const struct grid *g, uint32_t slot)
@@ -90,49 +67,17 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         }
         if (b->level == NO_LEVEL) msap_skin_first(g, (uint32_t)slot);
         else if (needs_skin(g, (uint32_t)slot)) msap_skin_renew(g, (uint32_t)slot, 0);
-        find_span(r->layout, &b->fat, &r->span[slot]);
+        struct spot spot;
+        steps_of(r->layout, &b->fat, &spot);
+        r->span[slot] = span_on(r->layout, &spot.base, spot.level);
         r->span[slot].is_static = (b->flags & BOX_STATIC) != 0;
         b->layout = (uint8_t)g->current;
         b->level = r->span[slot].level;
+        r->rounded[slot] = spot.rounded;
     }
 }
 
 /* ------------------------------------------------------------------ step 2 */
-
-/* From a cell to the next one on an axis, which are so many apart, around the end. */
-static inline uint32_t step_from(uint32_t at, uint32_t count, uint32_t apart)
-{
-    return at + 1 < count ? apart : apart - count * apart;
-}
-
-/* The same as cells_of for a span of two cells on each axis at the most, without a question: how
- * many they are follows no pattern. */
-static inline uint32_t cells_of_few(const struct span *s, uint32_t first, const uint32_t count[3],
-                                    uint32_t cell[MOST_CELLS])
-{
-    uint32_t x = step_from(s->low[0], count[0], 1), y = step_from(s->low[1], count[1], count[0]),
-             z = step_from(s->low[2], count[2], count[0] * count[1]), n = 1u << s->more[0];
-    cell[0] = first + (s->low[2] * count[1] + s->low[1]) * count[0] + s->low[0];
-    cell[1] = cell[0] + x;
-    for (uint32_t i = 0; i < 2; i++) cell[n + i] = cell[i] + y;
-    n <<= s->more[1];
-    for (uint32_t i = 0; i < 4; i++) cell[n + i] = cell[i] + z;
-    return n << s->more[2];
-}
-
-/* Writes the numbers, among all, of the cells of a span; returns how many they are. */
-static inline uint32_t cells_of(const struct layout *l, const struct span *s, uint32_t cell[MOST_CELLS])
-{
-    const struct level *level = &l->level[s->level];
-    const uint32_t *count = level->count, first = (uint32_t)(level->cell - l->cell);
-    uint32_t n = 0;
-    if ((s->more[0] | s->more[1] | s->more[2]) <= 1) return cells_of_few(s, first, count, cell);
-    for (uint32_t k = 0, z = s->low[2]; k <= s->more[2]; k++, z = z + 1 < count[2] ? z + 1 : 0)
-        for (uint32_t j = 0, y = s->low[1]; j <= s->more[1]; j++, y = y + 1 < count[1] ? y + 1 : 0)
-            for (uint32_t i = 0, x = s->low[0]; i <= s->more[0]; i++, x = x + 1 < count[0] ? x + 1 : 0)
-                cell[n++] = first + (z * count[1] + y) * count[0] + x;
-    return n;
-}
 
 /* Counts the boxes of each cell. */
 static void count(const struct rebuild *r)
@@ -170,7 +115,7 @@ static int make_cells(const struct rebuild *r, size_t *n)
         c->n_moving = moving;
     }
     *n = end;
-    return (end <= UINT32_MAX) & (most <= ~FIRST);
+    return end <= UINT32_MAX && most <= ~FIRST && msap_crew_room_to_find(r->job->crew, r->job->memory, most);
 }
 
 /* Puts each box into the list once for each of its cells. */
@@ -244,19 +189,24 @@ static void drop_twice_taken(struct sweeping *s)
     f->n = n;
 }
 
-/* Settles the taken pairs and puts them into the worker's buffer. What they are follows no
+/* Settles those of the taken pairs that are near and puts them into the worker's buffer. What they are follows no
  * pattern, so nothing but a change asks for it. */
 static void settle_taken(struct sweeping *s)
 {
     const struct box_table *t = s->rebuild->job->boxes;
     struct worker *w = s->worker;
     struct pair_buffer *f = &s->found;
-    w->settler.touched += f->n;
-    for (size_t i = 0; i < f->n; i++)
-        f->b[i] |= (uint32_t)overlap(&t->at[f->a[i]].now, &t->at[f->b[i]].now) * NEAR_PAIR;
+    size_t n = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        const struct box *p = &t->at[f->a[i]], *q = &t->at[f->b[i]];
+        f->a[n] = f->a[i];
+        f->b[n] = f->b[i] | (uint32_t)overlap(&p->now, &q->now) * NEAR_PAIR;
+        n += (size_t)overlap(&p->fat, &q->fat);
+    }
+    w->settler.touched += f->n = n;
     if (msap_worker_has_room(w, f->n, 0))
         for (size_t i = 0; i < f->n; i++) w->pairs.at[w->pairs.n++] = (uint64_t)f->a[i] << 32 | f->b[i];
-    size_t n = 0;
+    n = 0;
     for (size_t i = 0; i < f->n; i++) {
         uint32_t entry = f->b[i];
         f->a[n] = f->a[i];
@@ -308,12 +258,12 @@ static void sweep_cell(struct sweeping *s)
 {
     struct cell *c = s->cell;
     for (uint32_t row = 0; row < c->n_moving; row++) {
-        struct bounds bounds;
-        uint32_t id = msap_cell_row(c, row, &bounds);
+        struct rounded rounded;
+        uint32_t id = msap_cell_row(c, row, &rounded);
         for (uint32_t first = row + 1, last; first < c->n; first = last) {
             last = c->n - first < MOST_BUFFERED ? c->n : first + MOST_BUFFERED;
             if (s->found.n + (last - first) > MOST_BUFFERED) take_found(s);
-            size_t n = s->rebuild->grid->sweep(c, first, last, &bounds, s->found.b + s->found.n);
+            size_t n = s->rebuild->grid->sweep(c, first, last, &rounded, s->found.b + s->found.n);
             for (size_t i = 0; i < n; i += 4) set_four(s->found.a + s->found.n + i, id);
             s->found.n += n;
         }
@@ -324,11 +274,10 @@ static void sweep_cell(struct sweeping *s)
 /* Writes the rows of a cell, all but their names. */
 static void fill_cell(const struct rebuild *r, struct cell *c, const uint32_t *slot)
 {
-    enum { AHEAD = 8 };
     const struct box *boxes = r->job->boxes->at;
     for (uint32_t row = 0; row < c->n; row++) {
-        if (r->list_end - slot > (ptrdiff_t)row + AHEAD) prefetch(&boxes[slot[row + AHEAD]]);
-        cell_put_row(c, row, &boxes[slot[row]].fat, 0);
+        prefetch(&boxes[slot[row]]); /* for those that are found */
+        cell_put_row(c, row, &r->rounded[slot[row]], 0);
     }
 }
 
@@ -376,10 +325,11 @@ static void ask_finer(void *context, struct worker *w, size_t first, size_t last
             msap_grid_query(r->grid, w, (uint32_t)slot, r->span[slot].is_static, 0, r->span[slot].level);
 }
 
-/* Settles the pairs that asking has found, from `first` on, and drops repeats, which come
- * together by box. */
+/* Settles the pairs that asking has found, from `first` on, and drops those that are not near and
+ * repeats, which come together by box. */
 static void settle_asked(const struct rebuild *r, struct worker *w, size_t first)
 {
+    const struct box *box = r->job->boxes->at;
     uint64_t *pair = w->pairs.at;
     size_t n = first;
     for (size_t i = first; i < w->pairs.n; i++) {
@@ -387,7 +337,7 @@ static void settle_asked(const struct rebuild *r, struct worker *w, size_t first
         if (n == first || a != pair[n - 1] >> 32) msap_worker_new_token(w);
         if (w->tag[b] == w->token) continue;
         w->tag[b] = w->token;
-        pair[n++] = settled(r, &w->settler, a, b);
+        if (overlap(&box[a].fat, &box[b].fat)) pair[n++] = settled(r, &w->settler, a, b);
     }
     w->pairs.n = n;
 }
@@ -415,13 +365,14 @@ static int place_arrays(struct rebuild *r, size_t length)
 {
     struct scratch *s = r->job->scratch;
     size_t spans = r->job->boxes->used * sizeof *r->span / sizeof *s->at + 1;
-    size_t kept = spans + r->layout->n_cells * sizeof *r->tally / sizeof *s->at;
+    size_t tallies = spans + r->job->boxes->used * sizeof *r->rounded / sizeof *s->at;
+    size_t kept = tallies + r->layout->n_cells * sizeof *r->tally / sizeof *s->at;
     size_t words = kept + length * sizeof *r->list / sizeof *s->at + 1;
     if (!msap_memory_reserve(r->job->memory, &s->at, &s->room, words, length ? kept : 0, sizeof *s->at)) return 0;
     r->span = (struct span *)(void *)s->at;
-    r->tally = (struct tally *)(void *)(s->at + spans);
+    r->rounded = (struct rounded *)(void *)(s->at + spans);
+    r->tally = (struct tally *)(void *)(s->at + tallies);
     r->list = (uint32_t *)(void *)(s->at + kept);
-    r->list_end = r->list + length;
     return 1;
 }
 

@@ -101,20 +101,18 @@ static void move_own(void *context, struct worker *w, size_t first, size_t last)
     for (size_t i = first, n; i < last; i += n) {
         size_t at = box_of_item(s, i), end = at + (last - i) < s->n ? at + (last - i) : s->n;
         n = end - at < MOVES_AT_ONCE ? end - at : MOVES_AT_ONCE;
-        msap_place_few(s->grid, &job, &own, s->slot + at, s->state + at, n);
-        while (!msap_renew_few(s->grid, &job, &own, s->slot + at, s->state + at, n)) continue;
+        msap_move_few(s->grid, &job, &own, s->slot + at, s->state + at, n);
     }
-    w->pairs.n = 0;
 }
 
 /* Room for what each worker finds. Where it is not enough, the calling thread has the
  * more to do. */
 static void equip(struct grid *g, const struct job *job, size_t tasks, size_t n)
 {
-    enum { FOUND = 64 * MOVES_AT_ONCE, DOOMED = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
+    enum { FOUND = 2048, DOOMED = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
     for (size_t i = 1; i <= tasks; i++) {
         struct worker *w = &job->crew->worker[i];
-        msap_keys_reserve(&w->pairs, job->memory, FOUND);
+        msap_memory_reserve(job->memory, &w->found, &w->room_found, FOUND, 0, sizeof *w->found);
         msap_keys_reserve(&w->settler.doomed, job->memory, DOOMED);
         msap_pool_lend(&g->near.pool, job->memory, &w->stock, CLASSES, n / ONE_IN / tasks);
     }

@@ -1,32 +1,33 @@
-/* The sweep over a cell: eight boxes at a time where the machine can.
+/* The sweeps: eight boxes at a time where the machine can.
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * Each function gives the slots, among rows first ... last - 1, whose bounds overlap
- * those asked for, in the order of the rows; all give the same. Of a block of eight,
- * what lies outside those rows is read and left out. So it is with the sweeps over the
- * rows of jump.c below. */
+ * Over a cell, each function gives the slots, among rows first ... last - 1, whose rounded bounds
+ * overlap those asked for, in the order of the rows; all give the same. Of a block of
+ * eight, what lies outside those rows is read and left out. So it is with the sweeps
+ * over the rows of jump.c below. */
 #include "internal.h"
 
-/* The columns of a block of rows from `block` on that are among first ... last - 1. */
-static inline uint32_t columns_in(uint32_t block, uint32_t first, uint32_t last)
+/* The columns of the block from `row` on that are among the rows before `last`. */
+static inline uint32_t columns_before(uint32_t last, uint32_t row)
 {
-    uint32_t before = first > block ? first - block : 0, left = last - block < 8 ? last - block : 8;
-    return 255u << before & 255u >> (8 - left);
+    uint32_t left = last - row < 8 ? last - row : 8;
+    return 255u >> (8 - left);
 }
 
-static size_t sweep_portable(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
+static size_t sweep_portable(const struct cell *c, uint32_t first, uint32_t last, const struct rounded *r,
                              uint32_t *out)
 {
     size_t n = 0;
+    const struct rounded f = facing(r);
     for (uint32_t row = first; row < last; row++) {
         const struct cell_block *at = &c->block[row / 8];
-        uint32_t i = row % 8;
-        int apart = (at->min[0][i] > b->max[0]) | (at->min[1][i] > b->max[1]) | (at->min[2][i] > b->max[2]) |
-                    (b->min[0] > at->max[0][i]) | (b->min[1] > at->max[1][i]) | (b->min[2] > at->max[2][i]);
+        uint32_t i = row % 8, sign = 0;
+        for (int k = 0; k < 3; k++)
+            sign |= ((uint32_t)f.low[k] - at->low[k][i]) | ((uint32_t)f.high[k] - at->high[k][i]);
         out[n] = at->id[i];
-        n += !apart;
+        n += !(sign & 0x8000);
     }
     return n;
 }
@@ -45,6 +46,20 @@ static inline four_mask either(four_mask a, four_mask b) { return _mm_or_si128(a
 static inline four both(four a, four b) { return _mm_and_si128(a, b); }
 static inline four_mask same(four a, four b) { return _mm_cmpeq_epi32(a, b); }
 static inline uint32_t bits_of(four_mask m) { return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(m)); }
+
+/* As facing (internal.h) */
+static inline __m128i facing_lanes(const struct rounded *r)
+{
+    __m128i negated = _mm_sub_epi16(_mm_setzero_si128(), _mm_loadu_si128((const __m128i *)(const void *)r));
+    return _mm_shuffle_epi32(negated, _MM_SHUFFLE(1, 0, 3, 2));
+}
+
+typedef __m128i eight; /* 16 bits each */
+static inline eight eight_at(const uint16_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
+static inline eight eight_of(uint16_t value) { return _mm_set1_epi16((int16_t)value); }
+static inline eight minus(eight a, eight b) { return _mm_sub_epi16(a, b); }
+static inline eight any_of(eight a, eight b) { return _mm_or_si128(a, b); }
+static inline uint32_t signs_of(eight v) { return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(v, v)) & 255; }
 #elif defined(__aarch64__) && defined(__GNUC__)
 #include <arm_neon.h>
 #define HAS_FOUR 1
@@ -62,29 +77,35 @@ static inline uint32_t bits_of(four_mask m)
     static const uint32_t bit[4] = {1, 2, 4, 8};
     return vaddvq_u32(vandq_u32(m, vld1q_u32(bit)));
 }
+
+typedef uint16x8_t eight;
+static inline eight eight_at(const uint16_t *at) { return vld1q_u16(at); }
+static inline eight eight_of(uint16_t value) { return vdupq_n_u16(value); }
+static inline eight minus(eight a, eight b) { return vsubq_u16(a, b); }
+static inline eight any_of(eight a, eight b) { return vorrq_u16(a, b); }
+static inline uint32_t signs_of(eight v)
+{
+    static const int16_t place[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    return vaddvq_u16(vshlq_u16(vshrq_n_u16(v, 15), vld1q_s16(place)));
+}
 #endif
 
 #if defined(HAS_FOUR)
-/* The columns of half a block, from `half` on, that overlap. */
-static inline uint32_t overlapping(const struct cell_block *at, int half, const four min[3], const four max[3])
-{
-    four_mask x = either(above(four_at(at->min[0] + half), max[0]), above(min[0], four_at(at->max[0] + half)));
-    four_mask y = either(above(four_at(at->min[1] + half), max[1]), above(min[1], four_at(at->max[1] + half)));
-    four_mask z = either(above(four_at(at->min[2] + half), max[2]), above(min[2], four_at(at->max[2] + half)));
-    return ~bits_of(either(either(x, y), z)) & 15;
-}
-
-static size_t sweep_fours(const struct cell *c, uint32_t first, uint32_t last, const struct bounds *b,
-                          uint32_t *out)
+static size_t sweep_eights(const struct cell *c, uint32_t first, uint32_t last, const struct rounded *r,
+                           uint32_t *out)
 {
     size_t n = 0;
-    const four min[3] = {four_of(b->min[0]), four_of(b->min[1]), four_of(b->min[2])};
-    const four max[3] = {four_of(b->max[0]), four_of(b->max[1]), four_of(b->max[2])};
-    for (uint32_t row = first & ~7u; row < last; row += 8) {
+    const struct rounded f = facing(r);
+    const eight low[3] = {eight_of(f.low[0]), eight_of(f.low[1]), eight_of(f.low[2])};
+    const eight high[3] = {eight_of(f.high[0]), eight_of(f.high[1]), eight_of(f.high[2])};
+    uint32_t columns = 255u << first % 8;
+    for (uint32_t row = first & ~7u; row < last; row += 8, columns = 255) {
         const struct cell_block *at = &c->block[row / 8];
-        uint32_t found = overlapping(at, 0, min, max) | overlapping(at, 4, min, max) << 4;
-        for (found &= columns_in(row, first, last); found; found &= found - 1)
-            out[n++] = at->id[(uint32_t)__builtin_ctz(found)];
+        eight x = any_of(minus(low[0], eight_at(at->low[0])), minus(high[0], eight_at(at->high[0])));
+        eight y = any_of(minus(low[1], eight_at(at->low[1])), minus(high[1], eight_at(at->high[1])));
+        eight z = any_of(minus(low[2], eight_at(at->low[2])), minus(high[2], eight_at(at->high[2])));
+        uint32_t found = columns & columns_before(last, row) & ~signs_of(any_of(x, any_of(y, z)));
+        for (; found; found &= found - 1) out[n++] = at->id[(uint32_t)__builtin_ctz(found)];
     }
     return n;
 }
@@ -118,32 +139,30 @@ __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, __
     return (size_t)__builtin_popcount(found);
 }
 
-/* The columns of a block that are apart on axis k. */
-#define APART256(at, k)                                                \
-    _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256((at)->min[k]), max[k]), \
-                    _mm256_cmpgt_epi32(min[k], LOAD256((at)->max[k])))
+/* Two values of a row of eight values of 16 bits, each for one half. */
+#define HALVES256(values, a, b)                                                                              \
+    _mm256_shuffle_epi8(values, _mm256_setr_epi64x(0x0100010001000100 + (a)*0x0202020202020202,              \
+                                                   0x0100010001000100 + (a)*0x0202020202020202,              \
+                                                   0x0100010001000100 + (b)*0x0202020202020202,              \
+                                                   0x0100010001000100 + (b)*0x0202020202020202))
 
-/* 0 to 7 */
-#define COLUMNS256 _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
-
+/* Two sides of eight boxes at a time: those that follow each other in a block. */
 __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, uint32_t first, uint32_t last,
-                                                         const struct bounds *b, uint32_t *out)
+                                                         const struct rounded *r, uint32_t *out)
 {
     size_t n = 0;
-    const __m256i min[3] = {_mm256_set1_epi32(b->min[0]), _mm256_set1_epi32(b->min[1]),
-                            _mm256_set1_epi32(b->min[2])};
-    const __m256i max[3] = {_mm256_set1_epi32(b->max[0]), _mm256_set1_epi32(b->max[1]),
-                            _mm256_set1_epi32(b->max[2])};
-    const __m256i from = _mm256_set1_epi32((int32_t)first), to = _mm256_set1_epi32((int32_t)last - 1);
-    __m256i row_numbers = _mm256_add_epi32(_mm256_set1_epi32((int32_t)(first & ~7u)), COLUMNS256);
-    for (uint32_t row = first & ~7u; row < last; row += 8) {
+    const __m256i both = _mm256_broadcastsi128_si256(facing_lanes(r));
+    const __m256i first_two = HALVES256(both, 0, 1), next_two = HALVES256(both, 2, 4),
+                  last_two = HALVES256(both, 5, 6);
+    uint32_t columns = 255u << first % 8;
+    for (uint32_t row = first & ~7u; row < last; row += 8, columns = 255) {
         const struct cell_block *at = &c->block[row / 8];
-        __m256i apart = _mm256_or_si256(_mm256_or_si256(APART256(at, 0), APART256(at, 1)), APART256(at, 2));
-        __m256i outside =
-            _mm256_or_si256(_mm256_cmpgt_epi32(from, row_numbers), _mm256_cmpgt_epi32(row_numbers, to));
-        apart = _mm256_or_si256(apart, outside);
-        row_numbers = _mm256_add_epi32(row_numbers, _mm256_set1_epi32(8));
-        n += put_found(out + n, LOAD256(at->id), 255 & ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(apart)));
+        __m256i apart = _mm256_or_si256(_mm256_sub_epi16(first_two, LOAD256(at->low[0])),
+                                        _mm256_sub_epi16(next_two, LOAD256(at->low[2])));
+        apart = _mm256_or_si256(apart, _mm256_sub_epi16(last_two, LOAD256(at->high[1])));
+        __m128i any = _mm_or_si128(_mm256_castsi256_si128(apart), _mm256_extracti128_si256(apart, 1));
+        uint32_t signs = (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(any, any));
+        n += put_found(out + n, LOAD256(at->id), columns & columns_before(last, row) & ~signs);
     }
     return n;
 }
@@ -256,7 +275,7 @@ sweep_fn msap_sweep_for(uint32_t simd)
     if (use_avx2(simd)) return sweep_avx2;
 #endif
 #if defined(HAS_FOUR)
-    if (simd != MSAP_SIMD_NONE) return sweep_fours;
+    if (simd != MSAP_SIMD_NONE) return sweep_eights;
 #endif
     (void)simd;
     return sweep_portable;

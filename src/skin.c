@@ -50,22 +50,16 @@ static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
     return t->at[slot].flags & BOX_WAS ? box_before(t, slot) : &t->at[slot].now;
 }
 
-/* Where a box got its skin if its steps are so small that its mean motion since then says more,
- * and after how many commits; or NULL. axes[k] becomes whether it is so on axis k. */
-static const struct start *crawls_from(const struct grid *g, uint32_t slot, int32_t axes[3], float *commits)
+enum { CRAWL = 4 /* units in the last place, that one who crawls comes in a commit at the most */ };
+
+/* Where a box got its skin, and after how many commits, if its mean motion since then may say more than
+ * this commit's; or NULL. */
+static const struct start *start_of(const struct grid *g, uint32_t slot, float *commits)
 {
-    enum { UNITS = 4 /* in the last place */ };
     const struct box *b = &g->boxes->at[slot];
-    const struct bounds *before = moved_from(g->boxes, slot);
-    uint32_t age = skin_age(b, g), crawls = 0;
-    for (int k = 0; k < 3; k++) {
-        uint32_t low = (uint32_t)b->now.min[k] - (uint32_t)before->min[k] + UNITS;
-        uint32_t high = (uint32_t)b->now.max[k] - (uint32_t)before->max[k] + UNITS;
-        axes[k] = -(int32_t)(low <= 2 * UNITS);
-        crawls |= (uint32_t)axes[k] & ((low ^ UNITS) | (high ^ UNITS));
-    }
+    uint32_t age = skin_age(b, g);
     *commits = (float)age;
-    return crawls && b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? &g->start[slot] : NULL;
+    return b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? &g->start[slot] : NULL;
 }
 
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
@@ -91,14 +85,21 @@ static inline float largest(__m128 v)
     return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
 }
 
-static inline __m128i choose(__m128i which, __m128i a, __m128i b)
-{
-    return _mm_or_si128(_mm_and_si128(which, a), _mm_andnot_si128(which, b));
-}
-
 static inline __m128 choose_floats(__m128i which, __m128 a, __m128 b)
 {
-    return _mm_castsi128_ps(choose(which, _mm_castps_si128(a), _mm_castps_si128(b)));
+    return _mm_castsi128_ps(choose_lanes(which, _mm_castps_si128(a), _mm_castps_si128(b)));
+}
+
+/* On which axes the box crawls, if it does on any on which it moves; else on none. */
+static inline __m128i crawling(const struct bounds *now, const struct bounds *before)
+{
+    const __m128i most = _mm_set1_epi32(CRAWL + 1), least = _mm_set1_epi32(-CRAWL - 1);
+    __m128i low = _mm_sub_epi32(load_bounds(now->min), load_bounds(before->min));
+    __m128i high = _mm_sub_epi32(load_bounds(now->max), load_bounds(before->max));
+    __m128i axes = _mm_and_si128(_mm_cmpgt_epi32(low, least), _mm_cmpgt_epi32(most, low));
+    __m128i rest = _mm_cmpeq_epi32(_mm_or_si128(low, high), _mm_setzero_si128());
+    int moves = _mm_movemask_ps(_mm_castsi128_ps(_mm_andnot_si128(rest, axes))) & 7;
+    return moves ? axes : _mm_setzero_si128();
 }
 
 static struct motion motion_of(const struct grid *g, uint32_t slot)
@@ -106,18 +107,18 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
-    int32_t axes[4] = {0};
     float commits;
-    const struct start *start = crawls_from(g, slot, axes, &commits);
+    const struct start *start = start_of(g, slot, &commits);
     m.low = three_values(now->min);
     m.high = three_values(now->max);
     m.down = _mm_sub_ps(m.low, three_values(before->min));
     m.up = _mm_sub_ps(m.high, three_values(before->max));
-    if (start) {
+    __m128i axes = crawling(now, before);
+    if (start && _mm_movemask_epi8(axes) != 0) {
         const int32_t from[4] = {start->min[0], start->min[1], start->min[2], 0};
         __m128 mean = _mm_div_ps(_mm_sub_ps(m.low, three_values(from)), _mm_set1_ps(commits));
-        m.down = choose_floats(load_bounds(axes), mean, m.down);
-        m.up = choose_floats(load_bounds(axes), mean, m.up);
+        m.down = choose_floats(axes, mean, m.down);
+        m.up = choose_floats(axes, mean, m.up);
     }
     m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
     m.step = largest(
@@ -130,8 +131,8 @@ static inline __m128i three_ordered(__m128 values)
 {
     const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
     __m128i ordered = encode_lanes(_mm_castps_si128(values));
-    ordered = choose(_mm_cmpgt_epi32(ordered, most), most, ordered);
-    return choose(_mm_cmpgt_epi32(least, ordered), least, ordered);
+    ordered = choose_lanes(_mm_cmpgt_epi32(ordered, most), most, ordered);
+    return choose_lanes(_mm_cmpgt_epi32(least, ordered), least, ordered);
 }
 
 /* Widens the fat bounds for so many commits, and by `aside` on both sides. */
@@ -142,8 +143,8 @@ static void reach_out(struct box *b, const struct motion *m, float horizon, floa
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
     __m128i min = three_ordered(low), max = three_ordered(high);
     __m128i old_min = load_bounds(b->fat.min), old_max = load_bounds(b->fat.max);
-    store_lanes(b->fat.min, choose(_mm_cmpgt_epi32(old_min, min), min, old_min));
-    store_lanes(b->fat.max, choose(_mm_cmpgt_epi32(max, old_max), max, old_max));
+    store_lanes(b->fat.min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
+    store_lanes(b->fat.max, choose_lanes(_mm_cmpgt_epi32(max, old_max), max, old_max));
 }
 
 #else
@@ -156,20 +157,32 @@ struct motion {
 static float larger(float a, float b) { return a > b ? a : b; }
 static float magnitude(float x) { return x < 0 ? -x : x; }
 
+/* On which axes the box crawls. Returns whether it does on any on which it moves. */
+static int crawling(const struct bounds *now, const struct bounds *before, int axes[3])
+{
+    int moves = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t low = (int64_t)now->min[k] - before->min[k];
+        axes[k] = -CRAWL <= low && low <= CRAWL;
+        moves |= axes[k] && (low != 0 || now->max[k] != before->max[k]);
+    }
+    return moves;
+}
+
 static struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
-    int32_t axes[3];
+    int axes[3], crawls = crawling(now, before, axes);
     float commits;
-    const struct start *start = crawls_from(g, slot, axes, &commits);
+    const struct start *start = start_of(g, slot, &commits);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
         m.low[k] = value_of(now->min[k]);
         m.high[k] = value_of(now->max[k]);
         m.down[k] = m.low[k] - value_of(before->min[k]);
         m.up[k] = m.high[k] - value_of(before->max[k]);
-        if (start && axes[k]) m.down[k] = m.up[k] = (m.low[k] - value_of(start->min[k])) / commits;
+        if (start && crawls && axes[k]) m.down[k] = m.up[k] = (m.low[k] - value_of(start->min[k])) / commits;
         m.size = larger(m.high[k] - m.low[k], m.size);
         m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }

@@ -167,18 +167,18 @@ static size_t leave_first(struct grid *g, const struct job *job, size_t n, int b
 
 /* ------------------------------------------------------------ steps 2 to 4 */
 
-/* How many of n boxes are dealt with at once. */
-static size_t few_of(size_t n) { return n < MOVES_AT_ONCE ? n : MOVES_AT_ONCE; }
-
 /* Boxes that workers have placed get their lists. Nothing is placed meanwhile, so a list that is noted
  * can wait until all others are as they should be. Returns 0 without memory. */
 static int finish_placed(struct grid *g, const struct job *job, const uint32_t *slot, size_t n, uint8_t *state)
 {
-    for (size_t i = 0; i < n; i += MOVES_AT_ONCE)
-        if (!msap_renew_few(g, job, NULL, slot + i, state + i, few_of(n - i))) return 0;
+    for (size_t i = 0; i < n; i++)
+        if (state[i] == MOVE_STUCK && !msap_finish_move(g, job, slot[i])) return 0;
     msap_near_tidy(&g->near, msap_is_near, g);
     return 1;
 }
+
+/* How many of n boxes are dealt with at once. */
+static size_t few_of(size_t n) { return n < MOVES_AT_ONCE ? n : MOVES_AT_ONCE; }
 
 /* n boxes are put elsewhere. Returns 0 without memory. */
 static int move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n, uint8_t *state)
@@ -188,9 +188,7 @@ static int move_all(struct grid *g, const struct job *job, const uint32_t *slot,
     for (size_t i = 0; i < n; i += MOVES_AT_ONCE) {
         uint8_t *now = state ? state + i : waiting;
         memset(waiting, MOVE_WAITS, sizeof waiting);
-        if (!msap_place_few(g, job, NULL, slot + i, now, few_of(n - i)) ||
-            !msap_renew_few(g, job, NULL, slot + i, now, few_of(n - i)))
-            return 0;
+        if (!msap_move_few(g, job, NULL, slot + i, now, few_of(n - i))) return 0;
         msap_near_tidy(&g->near, msap_is_near, g);
     }
     return 1;
