@@ -49,7 +49,7 @@ void msap_memory_shrink(struct memory *m, void *pointer_to_array, size_t *room, 
 
 /* ------------------------------------------------------------------ pool.c */
 
-enum { POOL_CLASSES = 14, POOL_ALIGN = 16 };
+enum { POOL_CLASSES = 14 };
 
 /* How many units an array of a class has. */
 static inline size_t pool_units(unsigned class)
@@ -59,7 +59,7 @@ static inline size_t pool_units(unsigned class)
 
 static inline int pool_is_large(unsigned class) { return class >= POOL_CLASSES; }
 
-/* Arrays of units of so many bytes, a multiple of POOL_ALIGN. */
+/* Arrays of units of so many bytes, a multiple of 16. */
 struct pool {
     size_t unit;
     size_t units;                    /* of all slabs */
