@@ -35,7 +35,7 @@ static uint32_t update(msap_world *w, struct job *job)
 static void forget_events(struct settler *s)
 {
     s->fresh.n = s->doomed.n = s->notes.n = 0;
-    s->lost = s->has_all_doomed = s->are_events = 0;
+    s->lost = s->has_all_doomed = s->has_no_notes = s->are_events = 0;
     s->touched = s->crossings = 0;
 }
 
@@ -63,8 +63,7 @@ static msap_status find_events(msap_world *w)
 }
 
 /* Step 3: room for the events, and in the lists for as many again: with it they drop
- * repeats instead of growing (settle.c). The list of the doomed and that of notes have room
- * for all pairs. */
+ * repeats instead of growing (settle.c). The list of the doomed has room for all pairs. */
 static msap_status reserve_events(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
@@ -72,8 +71,7 @@ static msap_status reserve_events(msap_world *w)
     if (active > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) &&
                    msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) &&
-                   msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active) &&
-                   (s->has_repeats || msap_keys_reserve(&s->notes, &w->memory, w->pairs.most_active));
+                   msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active);
     msap_scratch_get(&w->scratch, &w->memory, s->fresh.room > s->doomed.room ? s->fresh.room : s->doomed.room);
     return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
@@ -92,7 +90,7 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = 0;
+    w->grid.will_know_pairs = w->grid.is_behind = 0;
     if (w->boxes.n_changed > 0) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);

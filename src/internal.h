@@ -272,11 +272,11 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, of pairs that changed, each once;
-                              as many fit as there are pairs */
+    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, of pairs that changed, each once */
     int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
     int has_all_doomed;    /* 1: the doomed list holds every known pair */
+    int has_no_notes;      /* 1: there was no memory for all of them */
     int are_events;        /* 1: both lists are sorted and without repeats */
     uint64_t touched, crossings;
 };
@@ -740,6 +740,7 @@ struct grid {
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
+    int is_behind;   /* within a commit: lists tell what the pairs were before it */
     int is_jumping;  /* the last commit kept nothing, because that was cheaper */
     int64_t gain;    /* in tests: what cells and lists have saved since they were made or could be again; or,
                         while nothing is kept, would have since */

@@ -54,19 +54,18 @@ int msap_crew_room_to_find(struct crew *crew, struct memory *m, size_t n)
     return 1;
 }
 
-/* Gives back all but room for what boxes in so many slots need, and on the lists of the
- * doomed and of notes of the calling thread for every pair. */
+/* Gives back all but room for what boxes in so many slots need, and on the list of the
+ * doomed of the calling thread for every pair. */
 void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pairs)
 {
     for (uint32_t i = 0; i < count_of(crew); i++) {
         struct worker *w = &crew->worker[i];
-        struct keys *kept[2] = {&w->settler.doomed, &w->settler.notes};
+        struct keys *doomed = &w->settler.doomed;
         msap_keys_free(&w->settler.fresh, m);
+        msap_keys_free(&w->settler.notes, m);
         msap_keys_free(&w->pairs, m);
-        for (int k = 0; k < 2; k++) {
-            kept[k]->n = 0;
-            msap_memory_shrink(m, &kept[k]->at, &kept[k]->room, i == 0 ? pairs : 0, sizeof *kept[k]->at);
-        }
+        doomed->n = 0;
+        msap_memory_shrink(m, &doomed->at, &doomed->room, i == 0 ? pairs : 0, sizeof *doomed->at);
         msap_memory_shrink(m, &w->found, &w->room_found, 0, sizeof *w->found);
         msap_memory_shrink(m, &w->tag, &w->room_tag, slots, sizeof *w->tag);
         w->slots = slots < w->slots ? slots : w->slots;

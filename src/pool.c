@@ -13,18 +13,15 @@
  * A worker, which may not allocate, is lent arrays: its stock. */
 #include "internal.h"
 
-enum { LEAST_SLAB = 512, SHARE = 32, LINE = 64 /* bytes of a cache line */ };
+enum { LEAST_SLAB = 512, SHARE = 32, LINE = 64 /* bytes of a cache line: a block of a cell starts with one */ };
 
-/* What stands at the beginning of a slab; of a free array, `next` alone. */
+/* What stands in the first line of a slab; of a free array, `next` alone. */
 struct slab {
     struct slab *next;
     size_t units;
 };
 
-static size_t slab_bytes(const struct pool *p, size_t units) { return sizeof(struct slab) + LINE + units * p->unit; }
-
-/* Where its units start: with a cache line, so that a block of a cell is in no more of them than it must. */
-static char *units_of_slab(struct slab *s) { return (char *)(s + 1) + (LINE - (uintptr_t)(s + 1) % LINE) % LINE; }
+static size_t slab_bytes(const struct pool *p, size_t units) { return LINE + units * p->unit; }
 
 static void push(struct slab **list, void *array)
 {
@@ -85,7 +82,7 @@ static void *cut(struct pool *p, struct memory *m, unsigned class)
         p->cut = s->units;
     }
     p->cut -= units;
-    return units_of_slab(p->slabs) + p->cut * p->unit;
+    return (char *)p->slabs + LINE + p->cut * p->unit;
 }
 
 /* The class of the smallest arrays of so many units or more. */

@@ -58,18 +58,19 @@ void msap_settle_change(struct settler *s, uint64_t key, int is)
     else put_into_full(s, list, key, is);
 }
 
-/* Notes the entry of a neighbour list that tells of a pair that changed. On the calling thread
- * the list lacks memory only if there are fresh pairs, and then this commit fails. */
+/* Notes the entry of a neighbour list that tells of a pair that changed. Without memory for it the calling
+ * thread does without notes. */
 void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index)
 {
     struct keys *list = &s->notes;
-    if (list->n < list->room ||
-        (s->memory && !s->lost && msap_keys_reserve(list, s->memory, 2 * list->room + 64))) {
+    if (list->n < list->room || (s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64))) {
         list->at[list->n++] = (uint64_t)slot << 32 | index;
-        return;
+    } else if (s->memory) {
+        s->has_no_notes = 1;
+    } else {
+        s->lost = 1;
+        list->n++; /* a worker counts on */
     }
-    s->lost = 1;
-    if (!s->memory) list->n++; /* a worker counts on */
 }
 
 /* Whether the boxes of a pair are both live; they are if none was removed. */

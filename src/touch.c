@@ -119,12 +119,27 @@ int msap_grid_touch(const struct grid *g, struct job *job)
 
 /* ------------------------------------------------------------------ events */
 
+/* Lets lists tell of a pair what it is; one that is no more may be in none. */
+static void tell(const struct grid *g, uint64_t pair, uint32_t is)
+{
+    const struct near_list *l = &g->near.of[pair >> 32];
+    uint32_t i = msap_near_find(l, (uint32_t)(pair >> 32), (uint32_t)pair);
+    if (i < l->n) l->at[i] = near_slot(l->at[i]) | is;
+}
+
+/* Lists learn what has changed: by the notes or, where memory lacked for these, by the events. */
+static void catch_up(const struct grid *g, const struct settler *s)
+{
+    for (size_t i = 0; !s->has_no_notes && i < s->notes.n; i++)
+        g->near.of[s->notes.at[i] >> 32].at[(uint32_t)s->notes.at[i]] ^= NEAR_PAIR;
+    for (size_t i = 0; s->has_no_notes && i < s->fresh.n; i++) tell(g, s->fresh.at[i], NEAR_PAIR);
+    for (size_t i = 0; s->has_no_notes && i < s->doomed.n; i++) tell(g, s->doomed.at[i], 0);
+}
+
 /* After a commit that succeeded lists are to know the pairs, and a list of all that is not of
  * this commit does not know them any more. */
 void msap_grid_committed(struct grid *g, const struct settler *s)
 {
     if (g->will_know_pairs || s->fresh.n + s->doomed.n > 0) g->knows_pairs = g->will_know_pairs;
-    if (!g->is_tracking) return;
-    for (size_t i = 0; i < s->notes.n; i++)
-        g->near.of[s->notes.at[i] >> 32].at[(uint32_t)s->notes.at[i]] ^= NEAR_PAIR;
+    if (g->is_behind) catch_up(g, s);
 }
