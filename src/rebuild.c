@@ -6,10 +6,10 @@
  * SPDX-License-Identifier: MIT
  *
  * 1. Each box gets its fat bounds, its level and the span of its cells.
- * 2. From the spans alone, the boxes of each cell are counted and then listed, in the
- *    order of slots, and the cells get memory of the right size.
- * 3. Cell by cell, the rows are filled from the list, and the cell, which is at hand
- *    now, is swept. Two boxes that meet in several cells of their level are taken
+ * 2. From the spans alone, the boxes of each cell are counted, the cells get memory of
+ *    the right size, and the boxes are named in them, in the order of slots.
+ * 3. Cell by cell, the rows are filled, and the cell, which is at hand now, is
+ *    swept. Two boxes that meet in several cells of their level are taken
  *    in the first of them that the walk over the cells of one comes to.
  * 4. Boxes of different levels are found by asking: for each box the coarser levels or,
  *    where few boxes are on coarse levels, for each of those the finer ones.
@@ -18,8 +18,7 @@
  * Steps 1 and 3 and the asking are done by all workers (II.3d). */
 #include "cells.h"
 
-/* The boxes of a cell, moving and static: how many, then where in the list the next one is
- * put, in the end where their part of it ends; that of the moving ones is the first. */
+/* The boxes of a cell, moving and static: how many, then in which row the next one is named. */
 struct tally {
     uint32_t of[2]; /* by is_static */
 };
@@ -38,7 +37,6 @@ struct rebuild {
     struct span *span;   /* [slots] */
     struct rounded *rounded; /* [slots] the fat bounds of a box, as the cells of its level know them */
     struct tally *tally; /* [cells] */
-    uint32_t *list;      /* slots, cell after cell */
 };
 
 /* ------------------------------------------------------------------ step 1 */
@@ -95,38 +93,36 @@ static void count(const struct rebuild *r)
     }
 }
 
-/* Turns the counts into cells with room and into places in the list, of which *n becomes
- * the length. Returns 0 without memory, and if the list would be too long for such places or
- * a cell for marks. */
-static int make_cells(const struct rebuild *r, size_t *n)
+/* Turns the counts into cells with room and into rows. Returns 0 without memory, and if a cell would be
+ * too large for marks. */
+static int make_cells(const struct rebuild *r)
 {
-    size_t end = 0;
     uint32_t most = 0;
     for (size_t i = 0; i < r->layout->n_cells; i++) {
         struct cell *c = &r->layout->cell[i];
         struct tally *t = &r->tally[i];
         uint32_t moving = t->of[0], all = moving + t->of[1];
-        t->of[0] = (uint32_t)end;
-        t->of[1] = (uint32_t)end + moving;
-        end += all;
+        t->of[0] = 0;
+        t->of[1] = moving;
         most = all > most ? all : most;
         if (all > 0 && !msap_cell_make_room(c, &r->grid->pool, r->job->memory, all)) return 0;
         c->n = all;
         c->n_moving = moving;
     }
-    *n = end;
-    return end <= UINT32_MAX && most <= ~FIRST && msap_crew_room_to_find(r->job->crew, r->job->memory, most);
+    return most <= ~FIRST && msap_crew_room_to_find(r->job->crew, r->job->memory, most);
 }
 
-/* Puts each box into the list once for each of its cells. */
-static void list(const struct rebuild *r)
+/* Names each box in its cells. */
+static void name_boxes(const struct rebuild *r)
 {
     uint32_t cell[MOST_CELLS];
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
         const struct span *s = &r->span[slot];
         if (s->level == NO_LEVEL) continue;
-        for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;)
-            r->list[r->tally[cell[n]].of[s->is_static]++] = slot;
+        for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;) {
+            uint32_t row = r->tally[cell[n]].of[s->is_static]++;
+            r->layout->cell[cell[n]].block[row / 8].id[row % 8] = slot;
+        }
     }
 }
 
@@ -149,7 +145,7 @@ struct sweeping {
     const struct level *level;
     struct worker *worker;
     struct cell *cell;
-    const uint32_t *slot; /* of each row */
+    uint32_t *slot; /* of each row */
     uint32_t at[3];       /* where the cell is in its level */
     struct pair_buffer found;
 };
@@ -244,12 +240,21 @@ static void mark_rows(const struct sweeping *s)
     }
 }
 
+/* Takes the names of the rows down, which marks will take the place of. */
+static void note_names(const struct sweeping *s)
+{
+    for (uint32_t row = 0; row < s->cell->n; row += 8)
+        memcpy(s->slot + row, s->cell->block[row / 8].id, sizeof s->cell->block->id);
+}
+
 /* Names the rows by their slots; those that follow in the last block name no box, for whole
  * blocks are read. */
-static void name_rows(struct cell *c, const uint32_t *slot)
+static void name_rows(const struct sweeping *s)
 {
-    for (uint32_t row = 0; row < c->n; row++) c->block[row / 8].id[row % 8] = slot[row];
-    for (uint32_t row = c->n; row % 8 != 0; row++) c->block[row / 8].id[row % 8] = NONE;
+    struct cell *c = s->cell;
+    for (uint32_t row = c->n; row % 8 != 0; row++) s->slot[row] = NONE;
+    for (uint32_t row = 0; row < c->n; row += 8)
+        memcpy(c->block[row / 8].id, s->slot + row, sizeof c->block->id);
 }
 
 /* Sweeps a cell whose rows are marked: from each row that is not static over those behind it,
@@ -271,13 +276,14 @@ static void sweep_cell(struct sweeping *s)
     take_found(s);
 }
 
-/* Writes the rows of a cell, all but their names. */
-static void fill_cell(const struct rebuild *r, struct cell *c, const uint32_t *slot)
+/* Writes the rows of a cell, which name their boxes. */
+static void fill_cell(const struct sweeping *s)
 {
-    const struct box *boxes = r->job->boxes->at;
-    for (uint32_t row = 0; row < c->n; row++) {
-        prefetch(&boxes[slot[row]]); /* for those that are found */
-        cell_put_row(c, row, &r->rounded[slot[row]], 0);
+    const struct box *boxes = s->rebuild->job->boxes->at;
+    for (uint32_t row = 0; row < s->cell->n; row++) {
+        uint32_t slot = s->slot[row];
+        prefetch(&boxes[slot]); /* for those that are found */
+        cell_put_row(s->cell, row, &s->rebuild->rounded[slot], slot);
     }
 }
 
@@ -286,7 +292,7 @@ static void make_rows(void *context, struct worker *w, size_t first, size_t last
 {
     const struct rebuild *r = context;
     const struct layout *l = r->layout;
-    struct sweeping s = {.rebuild = r, .level = l->level, .worker = w};
+    struct sweeping s = {.rebuild = r, .level = l->level, .worker = w, .slot = w->found};
     for (size_t i = first; i < last; i++) {
         struct cell *c = s.cell = &l->cell[i];
         while (s.level < &l->level[TOP] && c >= s.level[1].cell) s.level++;
@@ -295,13 +301,13 @@ static void make_rows(void *context, struct worker *w, size_t first, size_t last
         s.at[0] = at % count[0];
         s.at[1] = at / count[0] % count[1];
         s.at[2] = at / count[0] / count[1];
-        s.slot = r->list + r->tally[i].of[1] - c->n;
-        fill_cell(r, c, s.slot);
+        note_names(&s);
+        fill_cell(&s);
         if (c->n > 1 && c->n_moving > 0) {
             mark_rows(&s);
             sweep_cell(&s);
         }
-        name_rows(c, s.slot);
+        name_rows(&s);
     }
 }
 
@@ -359,20 +365,16 @@ static int ask(struct rebuild *r)
 
 /* ---------------------------------------------------------------- the whole */
 
-/* Cuts the arrays of a call out of scratch memory, and, once its length is known, the
- * list. Returns 0 without it. */
-static int place_arrays(struct rebuild *r, size_t length)
+/* Cuts the arrays of a call out of scratch memory. Returns 0 without it. */
+static int place_arrays(struct rebuild *r)
 {
-    struct scratch *s = r->job->scratch;
-    size_t spans = r->job->boxes->used * sizeof *r->span / sizeof *s->at + 1;
-    size_t tallies = spans + r->job->boxes->used * sizeof *r->rounded / sizeof *s->at;
-    size_t kept = tallies + r->layout->n_cells * sizeof *r->tally / sizeof *s->at;
-    size_t words = kept + length * sizeof *r->list / sizeof *s->at + 1;
-    if (!msap_memory_reserve(r->job->memory, &s->at, &s->room, words, length ? kept : 0, sizeof *s->at)) return 0;
-    r->span = (struct span *)(void *)s->at;
-    r->rounded = (struct rounded *)(void *)(s->at + spans);
-    r->tally = (struct tally *)(void *)(s->at + tallies);
-    r->list = (uint32_t *)(void *)(s->at + kept);
+    size_t slots = r->job->boxes->used;
+    size_t spans = (slots * sizeof *r->span + 7) / 8, rounded = slots * sizeof *r->rounded / 8;
+    uint64_t *at = msap_scratch_get(r->job->scratch, r->job->memory, spans + rounded + r->layout->n_cells);
+    if (!at) return 0;
+    r->span = (struct span *)(void *)at;
+    r->rounded = (struct rounded *)(void *)(at + spans);
+    r->tally = (struct tally *)(void *)(at + spans + rounded);
     return 1;
 }
 
@@ -380,13 +382,12 @@ static int place_arrays(struct rebuild *r, size_t length)
 static int make_grid(struct rebuild *r)
 {
     struct job *job = r->job;
-    size_t length;
-    if (!place_arrays(r, 0)) return 0;
+    if (!place_arrays(r)) return 0;
     /* It finds nothing, so it cannot lack memory. */
     msap_phase_run(job->crew, job->memory, fit, r, job->boxes->used, WEIGHT_SKIN);
     count(r);
-    if (!make_cells(r, &length) || !place_arrays(r, length)) return 0;
-    list(r);
+    if (!make_cells(r)) return 0;
+    name_boxes(r);
     return 1;
 }
 
