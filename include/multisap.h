@@ -320,8 +320,9 @@ MSAP_API msap_status msap_get_bounds(const msap_world *world, msap_handle handle
 MSAP_API msap_status msap_get_user_data(const msap_world *world, size_t k, const msap_handle *handles,
                                         void **user_data);
 
-/* Sets the user pointers of k live boxes, all or none. Errors: MSAP_ERROR_NULL,
- * _HANDLE, _BUSY. Thread rule: owner. Cost: O(k). */
+/* Sets the user pointers of k live boxes, all or none. Room for them is taken with the
+ * first that is given, here or to msap_add_many. Errors: MSAP_ERROR_NULL, _HANDLE,
+ * _BUSY, _MEMORY. Thread rule: owner. Cost: O(k), the first time O(boxes). */
 MSAP_API msap_status msap_set_user_data(msap_world *world, size_t k, const msap_handle *handles,
                                         void *const *user_data);
 

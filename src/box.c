@@ -45,15 +45,26 @@ void msap_boxes_init(struct box_table *t)
 void msap_boxes_free(struct box_table *t, struct memory *m)
 {
     msap_memory_free(m, t->at, t->room, sizeof *t->at);
-    msap_memory_free(m, t->past, t->room_past, sizeof *t->past);
+    msap_memory_free(m, t->before, t->room_before, sizeof *t->before);
+    msap_memory_free(m, t->user_data, t->room_user, sizeof *t->user_data);
     msap_memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
     msap_memory_free(m, t->left, t->room_left, sizeof *t->left);
 }
 
+/* User data from now on, for so many slots: what is there stays. Returns 0 without memory. */
+int msap_boxes_hold_user_data(struct box_table *t, struct memory *m, size_t slots)
+{
+    size_t had = t->user_data ? t->used : 0;
+    if (!msap_memory_reserve(m, &t->user_data, &t->room_user, slots, had, sizeof *t->user_data)) return 0;
+    for (size_t slot = had; slot < t->used; slot++) t->user_data[slot] = NULL;
+    return 1;
+}
+
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
 {
+    if (t->user_data && !msap_boxes_hold_user_data(t, m, slots)) return 0;
     return msap_memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
-           msap_memory_reserve(m, &t->past, &t->room_past, slots, t->used, sizeof *t->past) &&
+           msap_memory_reserve(m, &t->before, &t->room_before, slots + 1, t->used, sizeof *t->before) &&
            msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed) &&
            msap_memory_reserve(m, &t->left, &t->room_left, slots, t->n_left, sizeof *t->left);
 }
@@ -81,7 +92,8 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 {
     forget_slots(t);
     msap_memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
-    msap_memory_shrink(m, &t->past, &t->room_past, t->used, sizeof *t->past);
+    msap_memory_shrink(m, &t->before, &t->room_before, t->used ? t->used + 1 : 0, sizeof *t->before);
+    msap_memory_shrink(m, &t->user_data, &t->room_user, t->used, sizeof *t->user_data);
     msap_memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
     msap_memory_shrink(m, &t->left, &t->room_left, t->used, sizeof *t->left);
 }
@@ -111,11 +123,11 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     box_forget_place(b);
     b->changed_in = 0;
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
-    t->past[slot].user_data = user_data;
+    if (t->user_data) t->user_data[slot] = user_data;
     t->live++;
     box_mark_changed(t, slot);
     box_mark_left(t, slot);
-    t->past[slot].before = nowhere;
+    t->before[slot] = nowhere;
 }
 
 /* Takes back the additions since the table had so many slots used and so many boxes on its

@@ -34,7 +34,7 @@ static void move_row(struct cell *c, uint32_t from, uint32_t to)
     struct rounded r;
     if (from == to) return;
     uint32_t slot = msap_cell_row(c, from, &r);
-    cell_put_row(c, to, &r, slot);
+    cell_put_row(c, to, r.low, r.high, slot);
 }
 
 /* Room for n boxes in a cell that has none. Returns 0 without memory. */
@@ -72,7 +72,7 @@ int msap_cell_insert(struct cell *c, struct pool *p, struct memory *m, const str
         move_row(c, c->n_moving, row);
         row = c->n_moving++;
     }
-    cell_put_row(c, row, r, slot);
+    cell_put_row(c, row, r->low, r->high, slot);
     return 1;
 }
 
@@ -104,7 +104,7 @@ static uint32_t row_of(const struct cell *c, uint32_t slot, int is_static)
 /* Gives a box of the cell other bounds. */
 void msap_cell_update(struct cell *c, const struct rounded *r, uint32_t slot, int is_static)
 {
-    cell_put_row(c, row_of(c, slot, is_static), r, slot);
+    cell_put_row(c, row_of(c, slot, is_static), r->low, r->high, slot);
 }
 
 static void drop(struct cell *c, struct pool *p, struct memory *m)

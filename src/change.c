@@ -9,15 +9,25 @@
 
 /* ------------------------------------------------------------------- adding */
 
-static msap_status reserve(msap_world *w, size_t k)
+/* Whether any of k boxes has user data. */
+static int is_any(size_t k, void *const *user_data)
+{
+    for (size_t i = 0; user_data && i < k; i++)
+        if (user_data[i]) return 1;
+    return 0;
+}
+
+static msap_status reserve(msap_world *w, size_t k, void *const *user_data)
 {
     size_t slots = msap_boxes_slots_for(&w->boxes, k);
     if (slots > MSAP_MAX_BOXES) return MSAP_ERROR_FULL;
     if (!msap_boxes_reserve(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
+    if (is_any(k, user_data) && !msap_boxes_hold_user_data(&w->boxes, &w->memory, slots)) return MSAP_ERROR_MEMORY;
     int done = is_grid(&w->config) ? msap_grid_reserve(&w->grid, &w->memory, slots) &&
                                          msap_crew_reserve(&w->crew, &w->memory, slots)
                                    : msap_sap_reserve(&w->sap, &w->memory, slots);
-    msap_scratch_get(&w->scratch, &w->memory, SCRATCH_WORDS(slots)); /* if there is none now, commits do without */
+    size_t words = is_grid(&w->config) ? GRID_WORDS(slots) : SCRATCH_WORDS(slots);
+    msap_scratch_get(&w->scratch, &w->memory, words); /* if there is none now, commits do without */
     return done ? MSAP_OK : MSAP_ERROR_MEMORY;
 }
 
@@ -56,7 +66,7 @@ static msap_status add_many(msap_world *w, size_t k, const msap_boxes *boxes, co
     if (status == MSAP_OK && k > 0 && !handles) status = MSAP_ERROR_NULL;
     if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
     if (k > places) return msap_world_fail(w, MSAP_ERROR_FULL, places, MSAP_NO_BOUND);
-    status = reserve(w, k);
+    status = reserve(w, k, user_data);
     if (status != MSAP_OK) return msap_world_fail(w, status, 0, MSAP_NO_BOUND);
     status = add_all(w, k, boxes, flags, user_data);
     for (size_t i = 0; i < k && status == MSAP_OK; i++)

@@ -121,16 +121,16 @@ static void call_back(msap_world *w, const msap_callbacks *callbacks)
 {
     const struct pair_table *t = &w->pairs;
     if (t->deleted + t->created == 0) return;
-    const struct past *box = w->boxes.past;
+    const struct box_table *box = &w->boxes;
     const msap_pair *deleted = t->at + t->active;
     for (size_t i = 0; callbacks->on_delete && i < t->deleted; i++)
-        callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b, box[slot_of(deleted[i].a)].user_data,
-                             box[slot_of(deleted[i].b)].user_data, deleted[i].user_data);
+        callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b, box_user_data(box, slot_of(deleted[i].a)),
+                             box_user_data(box, slot_of(deleted[i].b)), deleted[i].user_data);
     msap_pair *created = t->at + (t->active - t->created);
     for (size_t i = 0; callbacks->on_create && i < t->created; i++)
         created[i].user_data =
             callbacks->on_create(callbacks->context, created[i].a, created[i].b,
-                                 box[slot_of(created[i].a)].user_data, box[slot_of(created[i].b)].user_data);
+                                 box_user_data(box, slot_of(created[i].a)), box_user_data(box, slot_of(created[i].b)));
 }
 
 msap_status msap_commit(msap_world *world, const msap_callbacks *callbacks, msap_counts *counts)

@@ -146,12 +146,6 @@ struct box {
     uint8_t layout;      /* of which its level is */
 };
 
-/* What of a slot is seldom read. */
-struct past {
-    struct bounds before; /* of a box on the changed list: at the last successful commit; or NOWHERE */
-    void *user_data;
-};
-
 /* The slot behind this one in the queue of removed or of free slots, or NONE. */
 static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.min[0]; }
 
@@ -162,7 +156,8 @@ struct slot_queue {
 
 struct box_table {
     struct box *at;
-    struct past *past;
+    struct bounds *before; /* [slots + 1] of a box on the changed list: at the last successful commit; or NOWHERE */
+    void **user_data;      /* [slots]; NULL: all of them are NULL */
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
     uint32_t *left;    /* those of them that came, went or were outside their fat bounds, each once, in
@@ -171,7 +166,7 @@ struct box_table {
     size_t used;       /* slots given out so far, but for those forgotten since */
     uint32_t
         first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
-    size_t room, room_past, room_changed, room_left;
+    size_t room, room_before, room_user, room_changed, room_left;
     size_t live;
     size_t n_changed, n_left;
     struct slot_queue removed; /* since the last commit, in the order of removal */
@@ -193,6 +188,11 @@ static inline struct box *box_find(const struct box_table *t, msap_handle handle
     return b->generation == generation && (b->flags & flags) ? b : NULL;
 }
 
+static inline void *box_user_data(const struct box_table *t, uint32_t slot)
+{
+    return t->user_data ? t->user_data[slot] : NULL;
+}
+
 static inline int box_is_changed(const struct box_table *t, uint32_t slot)
 {
     return t->at[slot].changed_in == t->epoch;
@@ -201,7 +201,7 @@ static inline int box_is_changed(const struct box_table *t, uint32_t slot)
 /* The bounds of a box at the last successful commit; they mean something with BOX_WAS. */
 static inline const struct bounds *box_before(const struct box_table *t, uint32_t slot)
 {
-    return box_is_changed(t, slot) ? &t->past[slot].before : &t->at[slot].now;
+    return box_is_changed(t, slot) ? &t->before[slot] : &t->at[slot].now;
 }
 
 /* Puts a box, whose bounds before are kept, on the changed list. */
@@ -215,7 +215,7 @@ static inline void box_list_changed(struct box_table *t, uint32_t slot)
 static inline void box_mark_changed(struct box_table *t, uint32_t slot)
 {
     if (box_is_changed(t, slot)) return;
-    t->past[slot].before = t->at[slot].now;
+    t->before[slot] = t->at[slot].now;
     box_list_changed(t, slot);
 }
 
@@ -255,6 +255,7 @@ void msap_boxes_free(struct box_table *t, struct memory *m);
 int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots);
 void msap_boxes_trim(struct box_table *t, struct memory *m);
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k);
+int msap_boxes_hold_user_data(struct box_table *t, struct memory *m, size_t slots);
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
 void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, size_t n_left);
 void msap_box_remove(struct box_table *t, uint32_t slot);
@@ -308,11 +309,11 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 void msap_touch_known_pairs(struct job *job);
 
 /* A pair that is known to overlap now, not both static, when the bounds before of all boxes
- * are in `past`. */
+ * are in `before`. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box_table *t = s->boxes;
-    if (!overlap(&t->past[a].before, &t->past[b].before)) msap_settle_change(s, pair_key(a, b), 1);
+    if (!overlap(&t->before[a], &t->before[b])) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 void msap_touch_all_boxes(const struct job *job);
@@ -400,7 +401,8 @@ struct scratch {
     size_t room;
 };
 void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words);
-#define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for most that is done to all boxes */
+#define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for most that is done to all boxes of a single SAP */
+#define GRID_WORDS(slots) (3 * (slots) + (slots) / 4 + 4) /* and to those of a grid */
 
 /* What a commit works on. */
 struct job {
@@ -597,16 +599,17 @@ struct cell {
     uint32_t n, n_moving, room;
 };
 
-static inline void cell_put_row(struct cell *c, uint32_t row, const struct rounded *r, uint32_t slot)
+/* low[3] and high[3] are rounded. */
+static inline void cell_put_row(struct cell *c, uint32_t row, const uint16_t *low, const uint16_t *high, uint32_t slot)
 {
     struct cell_block *block = &c->block[row / 8];
     uint32_t column = row % 8;
-    block->low[0][column] = r->low[0];
-    block->low[1][column] = r->low[1];
-    block->low[2][column] = r->low[2];
-    block->high[0][column] = r->high[0];
-    block->high[1][column] = r->high[1];
-    block->high[2][column] = r->high[2];
+    block->low[0][column] = low[0];
+    block->low[1][column] = low[1];
+    block->low[2][column] = low[2];
+    block->high[0][column] = high[0];
+    block->high[1][column] = high[1];
+    block->high[2][column] = high[2];
     block->id[column] = slot;
 }
 

@@ -30,7 +30,7 @@ msap_status msap_get_user_data(const msap_world *world, size_t k, const msap_han
 {
     if (!world || (k > 0 && (!handles || !user_data))) return MSAP_ERROR_NULL;
     if (first_unknown(world, k, handles, BOX_LIVE | BOX_REMOVED) < k) return MSAP_ERROR_HANDLE;
-    for (size_t i = 0; i < k; i++) user_data[i] = world->boxes.past[slot_of(handles[i])].user_data;
+    for (size_t i = 0; i < k; i++) user_data[i] = box_user_data(&world->boxes, slot_of(handles[i]));
     return MSAP_OK;
 }
 
@@ -41,7 +41,9 @@ msap_status msap_set_user_data(msap_world *world, size_t k, const msap_handle *h
     if (k > 0 && (!handles || !user_data)) return msap_world_fail(world, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
     size_t unknown = first_unknown(world, k, handles, BOX_LIVE);
     if (unknown < k) return msap_world_fail(world, MSAP_ERROR_HANDLE, unknown, MSAP_NO_BOUND);
-    for (size_t i = 0; i < k; i++) world->boxes.past[slot_of(handles[i])].user_data = user_data[i];
+    if (k > 0 && !msap_boxes_hold_user_data(&world->boxes, &world->memory, world->boxes.used))
+        return msap_world_fail(world, MSAP_ERROR_MEMORY, 0, MSAP_NO_BOUND);
+    for (size_t i = 0; i < k; i++) world->boxes.user_data[slot_of(handles[i])] = user_data[i];
     return MSAP_OK;
 }
 

@@ -23,6 +23,12 @@ struct tally {
     uint32_t of[2]; /* by is_static */
 };
 
+/* Where the box of a slot is to be: its cells, and its fat bounds, rounded for them. */
+struct place {
+    struct span span;
+    uint16_t low[3], high[3];
+};
+
 /* While a cell is swept, its rows are named by their numbers instead of slots and, with them,
  * marked on each axis on which the box comes into no cell before this one. */
 #define FIRST_X 0x80000000u
@@ -34,8 +40,7 @@ struct rebuild {
     struct grid *grid;
     struct layout *layout; /* the current one */
     struct job *job;
-    struct span *span;   /* [slots] */
-    struct rounded *rounded; /* [slots] the fat bounds of a box, as the cells of its level know them */
+    struct place *place; /* [slots] */
     struct tally *tally; /* [cells] */
 };
 
@@ -58,20 +63,22 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
     (void)w;
     for (size_t slot = first; slot < last; slot++) {
         struct box *b = &g->boxes->at[slot];
+        struct place *p = &r->place[slot];
         if (!(b->flags & BOX_LIVE)) {
             box_forget_place(b);
-            r->span[slot].level = NO_LEVEL;
+            p->span.level = NO_LEVEL;
             continue;
         }
         if (b->level == NO_LEVEL) msap_skin_first(g, (uint32_t)slot);
         else if (needs_skin(g, (uint32_t)slot)) msap_skin_renew(g, (uint32_t)slot, 0);
         struct spot spot;
         steps_of(r->layout, &b->fat, &spot);
-        r->span[slot] = span_on(r->layout, &spot.base, spot.level);
-        r->span[slot].is_static = (b->flags & BOX_STATIC) != 0;
+        p->span = span_on(r->layout, &spot.base, spot.level);
+        p->span.is_static = (b->flags & BOX_STATIC) != 0;
         b->layout = (uint8_t)g->current;
-        b->level = r->span[slot].level;
-        r->rounded[slot] = spot.rounded;
+        b->level = (uint8_t)spot.level;
+        memcpy(p->low, spot.rounded.low, sizeof p->low);
+        memcpy(p->high, spot.rounded.high, sizeof p->high);
     }
 }
 
@@ -84,7 +91,7 @@ static void count(const struct rebuild *r)
     uint32_t cell[MOST_CELLS];
     memset(r->tally, 0, l->n_cells * sizeof *r->tally);
     for (size_t slot = 0; slot < r->job->boxes->used; slot++) {
-        const struct span *s = &r->span[slot];
+        const struct span *s = &r->place[slot].span;
         if (s->level == NO_LEVEL) continue;
         l->level[s->level].boxes++;
         l->boxes++;
@@ -117,7 +124,7 @@ static void name_boxes(const struct rebuild *r)
 {
     uint32_t cell[MOST_CELLS];
     for (uint32_t slot = 0; slot < r->job->boxes->used; slot++) {
-        const struct span *s = &r->span[slot];
+        const struct span *s = &r->place[slot].span;
         if (s->level == NO_LEVEL) continue;
         for (uint32_t n = cells_of(r->layout, s, cell); n-- > 0;) {
             uint32_t row = r->tally[cell[n]].of[s->is_static]++;
@@ -176,7 +183,7 @@ static void drop_twice_taken(struct sweeping *s)
     const uint32_t *count = s->level->count;
     size_t n = 0;
     for (size_t i = 0; i < f->n; i++) {
-        const struct span *a = &s->rebuild->span[f->a[i]], *b = &s->rebuild->span[f->b[i]];
+        const struct span *a = &s->rebuild->place[f->a[i]].span, *b = &s->rebuild->place[f->b[i]].span;
         f->a[n] = f->a[i];
         f->b[n] = f->b[i];
         n += (size_t)(is_first_on(0, s->at[0], count[0], a, b) & is_first_on(1, s->at[1], count[1], a, b) &
@@ -230,16 +237,6 @@ static void take_found(struct sweeping *s)
     f->n = 0;
 }
 
-static void mark_rows(const struct sweeping *s)
-{
-    for (uint32_t row = 0; row < s->cell->n; row++) {
-        const struct span *span = &s->rebuild->span[s->slot[row]];
-        uint32_t marks = (span->low[0] == s->at[0] ? FIRST_X : 0) | (span->low[1] == s->at[1] ? FIRST_Y : 0) |
-                         (span->low[2] == s->at[2] ? FIRST_Z : 0);
-        s->cell->block[row / 8].id[row % 8] = row | marks;
-    }
-}
-
 /* Takes the names of the rows down, which marks will take the place of. */
 static void note_names(const struct sweeping *s)
 {
@@ -276,14 +273,17 @@ static void sweep_cell(struct sweeping *s)
     take_found(s);
 }
 
-/* Writes the rows of a cell, which name their boxes. */
+/* Writes the rows of a cell with their marks. */
 static void fill_cell(const struct sweeping *s)
 {
     const struct box *boxes = s->rebuild->job->boxes->at;
     for (uint32_t row = 0; row < s->cell->n; row++) {
-        uint32_t slot = s->slot[row];
-        prefetch(&boxes[slot]); /* for those that are found */
-        cell_put_row(s->cell, row, &s->rebuild->rounded[slot], slot);
+        const struct place *p = &s->rebuild->place[s->slot[row]];
+        const uint16_t *low = p->span.low;
+        uint32_t marks = (low[0] == s->at[0] ? FIRST_X : 0) | (low[1] == s->at[1] ? FIRST_Y : 0) |
+                         (low[2] == s->at[2] ? FIRST_Z : 0);
+        prefetch(&boxes[s->slot[row]]); /* for those that are found */
+        cell_put_row(s->cell, row, p->low, p->high, row | marks);
     }
 }
 
@@ -303,10 +303,7 @@ static void make_rows(void *context, struct worker *w, size_t first, size_t last
         s.at[2] = at / count[0] / count[1];
         note_names(&s);
         fill_cell(&s);
-        if (c->n > 1 && c->n_moving > 0) {
-            mark_rows(&s);
-            sweep_cell(&s);
-        }
+        sweep_cell(&s);
         name_rows(&s);
     }
 }
@@ -318,8 +315,8 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
 {
     const struct rebuild *r = context;
     for (size_t slot = first; slot < last; slot++)
-        if (r->span[slot].level != NO_LEVEL)
-            msap_grid_query(r->grid, w, (uint32_t)slot, r->span[slot].is_static, r->span[slot].level + 1u, LEVELS);
+        if (r->place[slot].span.level != NO_LEVEL)
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static, r->place[slot].span.level + 1u, LEVELS);
 }
 
 /* Asks the finer levels for the boxes in slots first ... last - 1. */
@@ -327,8 +324,8 @@ static void ask_finer(void *context, struct worker *w, size_t first, size_t last
 {
     const struct rebuild *r = context;
     for (size_t slot = first; slot < last; slot++)
-        if (r->span[slot].level != NO_LEVEL && r->span[slot].level > 0)
-            msap_grid_query(r->grid, w, (uint32_t)slot, r->span[slot].is_static, 0, r->span[slot].level);
+        if (r->place[slot].span.level != NO_LEVEL && r->place[slot].span.level > 0)
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static, 0, r->place[slot].span.level);
 }
 
 /* Settles the pairs that asking has found, from `first` on, and drops those that are not near and
@@ -368,13 +365,11 @@ static int ask(struct rebuild *r)
 /* Cuts the arrays of a call out of scratch memory. Returns 0 without it. */
 static int place_arrays(struct rebuild *r)
 {
-    size_t slots = r->job->boxes->used;
-    size_t spans = (slots * sizeof *r->span + 7) / 8, rounded = slots * sizeof *r->rounded / 8;
-    uint64_t *at = msap_scratch_get(r->job->scratch, r->job->memory, spans + rounded + r->layout->n_cells);
+    size_t places = (r->job->boxes->used * sizeof *r->place + 7) / 8;
+    uint64_t *at = msap_scratch_get(r->job->scratch, r->job->memory, places + r->layout->n_cells);
     if (!at) return 0;
-    r->span = (struct span *)(void *)at;
-    r->rounded = (struct rounded *)(void *)(at + spans);
-    r->tally = (struct tally *)(void *)(at + spans + rounded);
+    r->place = (struct place *)(void *)at;
+    r->tally = (struct tally *)(void *)(at + places);
     return 1;
 }
 

@@ -28,7 +28,7 @@ static int make_room(struct settler *s, struct keys *list)
 {
     if (s->has_repeats) drop_repeats(list);
     if (list->n > list->room / 2 || list->room == 0) {
-        if (msap_keys_reserve(list, s->memory, 2 * list->room + 64)) return 1;
+        if (msap_keys_reserve(list, s->memory, list->room + 64)) return 1;
         if (!s->has_repeats) drop_repeats(list);
     }
     return list->n < list->room;
@@ -63,7 +63,7 @@ void msap_settle_change(struct settler *s, uint64_t key, int is)
 void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index)
 {
     struct keys *list = &s->notes;
-    if (list->n < list->room || (s->memory && msap_keys_reserve(list, s->memory, 2 * list->room + 64))) {
+    if (list->n < list->room || (s->memory && msap_keys_reserve(list, s->memory, list->room + 64))) {
         list->at[list->n++] = (uint64_t)slot << 32 | index;
     } else if (s->memory) {
         s->has_no_notes = 1;

@@ -50,7 +50,7 @@ static uint32_t number_of(const struct level *l, const uint32_t apart[3], const 
 const uint64_t *msap_order_by_cell(const struct grid *g, const struct job *job, uint32_t *slot, size_t n)
 {
     const struct layout *l = &g->layout[g->current];
-    uint64_t *key = msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(job->boxes->used));
+    uint64_t *key = msap_scratch_get(job->scratch, job->memory, GRID_WORDS(n));
     uint32_t apart[3];
     if (!key || n == 0) return NULL;
     number_cells(&l->level[0], apart);

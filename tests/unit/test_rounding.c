@@ -89,7 +89,7 @@ static uint32_t fill_cell(struct cell *c, uint32_t level)
     memset(c, 0, sizeof *c);
     c->block = block;
     for (uint32_t i = 0; i < BOXES; i++)
-        if (spots[i].level == level) cell_put_row(c, c->n++, &spots[i].rounded, i);
+        if (spots[i].level == level) cell_put_row(c, c->n++, spots[i].rounded.low, spots[i].rounded.high, i);
     return c->n;
 }
 
