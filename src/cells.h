@@ -91,8 +91,10 @@ static inline int32_t floor_shift(int32_t a, uint32_t shift)
 static inline struct range range_on(const struct layout *layout, const struct range *base, uint32_t level)
 {
     const __m128i shift = _mm_cvtsi32_si128((int)(LEVEL_SHIFT * level)), first = _mm_set1_epi32(-CELL_LIMIT);
-    __m128i low = _mm_sra_epi32(load_bounds(base->low), shift), high = _mm_sra_epi32(load_bounds(base->high), shift);
-    __m128i more = _mm_sub_epi32(high, low), last = _mm_sub_epi32(load_bounds((const int32_t *)layout->level[level].count), _mm_set1_epi32(1));
+    __m128i low = _mm_sra_epi32(load_bounds(base->low), shift),
+            high = _mm_sra_epi32(load_bounds(base->high), shift);
+    __m128i more = _mm_sub_epi32(high, low),
+            last = _mm_sub_epi32(load_bounds((const int32_t *)layout->level[level].count), _mm_set1_epi32(1));
     __m128i is_all = _mm_or_si128(_mm_cmpgt_epi32(more, last), _mm_srai_epi32(more, 31)); /* at most 2^31 more */
     struct range r;
     _mm_storeu_si128((__m128i *)(void *)r.low, choose_lanes(is_all, first, low));

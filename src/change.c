@@ -78,7 +78,8 @@ msap_status msap_add_many(msap_world *world, size_t k, const msap_boxes *boxes, 
                           void *const *user_data, msap_handle *handles)
 {
     msap_status status = msap_world_begin(world);
-    return status == MSAP_OK ? msap_world_end(world, add_many(world, k, boxes, flags, user_data, handles)) : status;
+    return status == MSAP_OK ? msap_world_end(world, add_many(world, k, boxes, flags, user_data, handles))
+                             : status;
 }
 
 msap_status msap_add(msap_world *world, const float *min, const float *max, uint32_t flags, void *user_data,

@@ -124,13 +124,14 @@ static void call_back(msap_world *w, const msap_callbacks *callbacks)
     const struct box_table *box = &w->boxes;
     const msap_pair *deleted = t->at + t->active;
     for (size_t i = 0; callbacks->on_delete && i < t->deleted; i++)
-        callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b, box_user_data(box, slot_of(deleted[i].a)),
-                             box_user_data(box, slot_of(deleted[i].b)), deleted[i].user_data);
+        callbacks->on_delete(callbacks->context, deleted[i].a, deleted[i].b,
+                             box_user_data(box, slot_of(deleted[i].a)), box_user_data(box, slot_of(deleted[i].b)),
+                             deleted[i].user_data);
     msap_pair *created = t->at + (t->active - t->created);
     for (size_t i = 0; callbacks->on_create && i < t->created; i++)
-        created[i].user_data =
-            callbacks->on_create(callbacks->context, created[i].a, created[i].b,
-                                 box_user_data(box, slot_of(created[i].a)), box_user_data(box, slot_of(created[i].b)));
+        created[i].user_data = callbacks->on_create(callbacks->context, created[i].a, created[i].b,
+                                                    box_user_data(box, slot_of(created[i].a)),
+                                                    box_user_data(box, slot_of(created[i].b)));
 }
 
 msap_status msap_commit(msap_world *world, const msap_callbacks *callbacks, msap_counts *counts)

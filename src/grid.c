@@ -259,7 +259,8 @@ static int find_on_others(struct asking *a, struct worker *w, const struct layou
 /* Writes into the worker's list what boxes there are whose fat bounds, rounded, overlap those of `self`,
  * itself among them; for a static box, those that are not static. A box that is met in several cells is
  * written several times. Returns how many; or, without room, SIZE_MAX. */
-size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static, const struct spot *spot)
+size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static,
+                      const struct spot *spot)
 {
     const struct layout *l = &g->layout[g->current], *other = &g->layout[1 - g->current];
     struct asking a = asking_for(g, self, is_static, spot);

@@ -45,7 +45,8 @@ static int is_rounded_otherwise(const struct layout *l, const struct box *b, con
     struct rounded *r = &spot.rounded;
     spot_of(l, &b->fat, &spot);
     if (b->level != spot.level || !rounded_on(l, b->level, &spot, r)) return 1;
-    return memcmp(r->low, known->low, 3 * sizeof *r->low) != 0 || memcmp(r->high, known->high, 3 * sizeof *r->high) != 0;
+    return memcmp(r->low, known->low, 3 * sizeof *r->low) != 0 ||
+           memcmp(r->high, known->high, 3 * sizeof *r->high) != 0;
 }
 
 static const char *row_broken(const struct layout *l, const struct box_table *boxes, const struct cell *c,
@@ -109,7 +110,8 @@ static const char *entry_broken(const struct box_table *boxes, uint32_t slot, ui
     if (other >= boxes->used) return "a neighbour list names no slot";
     const struct box *p = &boxes->at[slot], *q = &boxes->at[other];
     if (p->flags & q->flags & BOX_STATIC) return "two static boxes are neighbours";
-    if (!overlap(&boxes->at[slot].fat, &boxes->at[other].fat)) return "the fat bounds of neighbours do not overlap";
+    if (!overlap(&boxes->at[slot].fat, &boxes->at[other].fat))
+        return "the fat bounds of neighbours do not overlap";
     if (((entry & NEAR_PAIR) != 0) != (other > slot && were_pair(boxes, slot, other)))
         return "a neighbour list is wrong about a pair";
     return NULL;

@@ -134,16 +134,16 @@ enum { NO_LEVEL = 255 };
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
  * without BOX_LIVE and BOX_WAS is free or retired. */
 struct box {
-    struct bounds now; /* as last given; of one that is not BOX_LIVE, box_next */
-    struct bounds fat; /* with its skin: what its cells know of it; all space where it is in none */
+    struct bounds now;   /* as last given; of one that is not BOX_LIVE, box_next */
+    struct bounds fat;   /* with its skin: what its cells know of it; all space where it is in none */
     uint32_t generation; /* low half of the handle; 0: retired */
     uint32_t changed_in; /* the table's epoch exactly if it is on the changed list */
     uint16_t flags;
-    uint16_t since;      /* the commit in which it got its fat bounds, its lower half */
-    uint8_t level;       /* of the grid; or NO_LEVEL: not in it */
-    uint8_t horizon;     /* for how many commits its skin was made */
-    uint8_t wobble;      /* how much of its reach the skin has on all sides, in eighths */
-    uint8_t layout;      /* of which its level is */
+    uint16_t since;  /* the commit in which it got its fat bounds, its lower half */
+    uint8_t level;   /* of the grid; or NO_LEVEL: not in it */
+    uint8_t horizon; /* for how many commits its skin was made */
+    uint8_t wobble;  /* how much of its reach the skin has on all sides, in eighths */
+    uint8_t layout;  /* of which its level is */
 };
 
 /* The slot behind this one in the queue of removed or of free slots, or NONE. */
@@ -156,7 +156,7 @@ struct slot_queue {
 
 struct box_table {
     struct box *at;
-    struct bounds *before; /* [slots + 1] of a box on the changed list: at the last successful commit; or NOWHERE */
+    struct bounds *before; /* [slots + 1] of a box on the changed list: at the last commit; or NOWHERE */
     void **user_data;      /* [slots]; NULL: all of them are NULL */
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
@@ -236,8 +236,8 @@ static inline void box_change(struct box_table *t, uint32_t slot, const struct b
 
 /* What overlaps nothing, a box without bounds neither: the bounds before of a box that was not
  * there. */
-#define NOWHERE \
-    { \
+#define NOWHERE                                                                \
+    {                                                                          \
         {INT32_MAX, INT32_MAX, INT32_MAX}, { INT32_MIN, INT32_MIN, INT32_MIN } \
     }
 
@@ -521,8 +521,10 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
 
 /* ------------------------------------------------------------------ near.c */
 
-enum { NEAR_UNIT = 4, /* entries of the smallest list */
-       NEAR_LONG = 64 /* entries of a list that is not searched often */ };
+enum {
+    NEAR_UNIT = 4, /* entries of the smallest list */
+    NEAR_LONG = 64 /* entries of a list that is not searched often */
+};
 
 /* In the entry for a neighbour above, besides its slot: exactly if the two boxes are a
  * pair, since the last commit. What of this changes in a commit is noted by the settler. */
@@ -600,7 +602,8 @@ struct cell {
 };
 
 /* low[3] and high[3] are rounded. */
-static inline void cell_put_row(struct cell *c, uint32_t row, const uint16_t *low, const uint16_t *high, uint32_t slot)
+static inline void cell_put_row(struct cell *c, uint32_t row, const uint16_t *low, const uint16_t *high,
+                                uint32_t slot)
 {
     struct cell_block *block = &c->block[row / 8];
     uint32_t column = row % 8;
@@ -647,10 +650,10 @@ struct span {
 
 /* Where fat bounds are in a layout: their cells, and what these know of them. */
 struct spot {
-    struct range base;       /* the cells of level 0 */
-    int32_t low[4], high[4]; /* in steps of level 0 */
-    uint32_t level, cells;   /* on which they are to be, and in how many cells */
-    struct rounded rounded;  /* what these know */
+    struct range base;         /* the cells of level 0 */
+    int32_t low[4], high[4];   /* in steps of level 0 */
+    uint32_t level, cells;     /* on which they are to be, and in how many cells */
+    struct rounded rounded;    /* what these know */
     uint32_t cell[MOST_CELLS]; /* their numbers among all */
 };
 
@@ -659,7 +662,7 @@ struct spot {
 struct level {
     struct cell *cell; /* the first of its cells among all */
     uint32_t count[4];
-    size_t boxes; /* that are in this level */
+    size_t boxes;                        /* that are in this level */
     int32_t first_step[4], last_step[4]; /* what is beyond counts as there */
 };
 
@@ -680,10 +683,10 @@ struct layout {
 
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
-    uint32_t axis[3]; /* the sweep axis first */
-    float low, extent; /* most boxes lie from there on, within so much, on the sweep axis */
-    float scale[2];    /* on the axes across, as layout.scale */
-    uint32_t count[2]; /* powers of two */
+    uint32_t axis[3];   /* the sweep axis first */
+    float low, extent;  /* most boxes lie from there on, within so much, on the sweep axis */
+    float scale[2];     /* on the axes across, as layout.scale */
+    uint32_t count[2];  /* powers of two */
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
 };
@@ -698,7 +701,7 @@ struct rows {
 /* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. */
 struct row_set {
     int32_t *min[3], *max[3];
-    uint32_t *id; /* slots with marks */
+    uint32_t *id;   /* slots with marks */
     int32_t *words; /* all of them */
     size_t room;
 };
@@ -751,7 +754,7 @@ struct grid {
     size_t wide;     /* boxes in no row, when all were pruned last */
     struct rows rows;
     struct row_set row_set;
-    struct keys known;   /* if knows_pairs, the keys of all active pairs, sorted */
+    struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
 };
@@ -768,7 +771,8 @@ int msap_grid_put(struct grid *g, struct memory *m, uint32_t slot, int is_static
 void msap_grid_take(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range base);
 int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_static, struct range from,
                    const struct spot *to);
-size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static, const struct spot *spot);
+size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int is_static,
+                      const struct spot *spot);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last);
 int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
@@ -806,10 +810,7 @@ static inline uint32_t skin_age(const struct box *b, const struct grid *g)
 }
 
 /* Whether a skin is older than any is made for, as first ones are from the start. */
-static inline int skin_is_old(const struct box *b, const struct grid *g)
-{
-    return skin_age(b, g) > HORIZON_MOST;
-}
+static inline int skin_is_old(const struct box *b, const struct grid *g) { return skin_age(b, g) > HORIZON_MOST; }
 
 /* Whether the box has shrunk so much in its skin that it needs a new one. */
 static inline int skin_is_baggy(const struct box *b, const struct grid *g)

@@ -48,7 +48,7 @@ struct jump {
     struct row_range *range; /* [slots] */
     uint32_t *wide;          /* [n_wide] slots of the boxes of step 4 */
     size_t n, n_wide;
-    uint32_t *end;      /* [rows] behind the last box of each row; and as many for each other worker */
+    uint32_t *end; /* [rows] behind the last box of each row; and as many for each other worker */
     struct counted by[1 + MOST_WORKERS];
     struct row_set set; /* the boxes, row after row */
     int is_comparing;   /* the pairs found are kept instead of settled */

@@ -15,10 +15,8 @@ static void sort_part(void *context, struct worker *w, size_t first, size_t last
 {
     const struct sorting *s = context;
     (void)w;
-    if (s->are_values)
-        msap_sort_values(s->key + first, last - first, s->scratch + 2 * first, s->low, s->extent);
-    else
-        msap_sort_keys(s->key + first, last - first, s->scratch ? s->scratch + first : NULL);
+    if (s->are_values) msap_sort_values(s->key + first, last - first, s->scratch + 2 * first, s->low, s->extent);
+    else msap_sort_keys(s->key + first, last - first, s->scratch ? s->scratch + first : NULL);
 }
 
 /* Merges n sorted keys with the sorted keys behind them, up to `end`, without a question: which of two

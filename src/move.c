@@ -115,8 +115,7 @@ static void settle_parted(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box *box = s->boxes->at;
     s->touched++;
-    if (were_pair(s->boxes, a, b) && !overlap(&box[a].now, &box[b].now))
-        msap_settle_change(s, pair_key(a, b), 0);
+    if (were_pair(s->boxes, a, b) && !overlap(&box[a].now, &box[b].now)) msap_settle_change(s, pair_key(a, b), 0);
 }
 
 /* Drops from the list of a box what is not tagged, and tags the rest as known. Returns 0 if a

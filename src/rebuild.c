@@ -95,8 +95,7 @@ static void count(const struct rebuild *r)
         if (s->level == NO_LEVEL) continue;
         l->level[s->level].boxes++;
         l->boxes++;
-        for (uint32_t n = cells_of(l, s, cell); n-- > 0;)
-            r->tally[cell[n]].of[s->is_static]++;
+        for (uint32_t n = cells_of(l, s, cell); n-- > 0;) r->tally[cell[n]].of[s->is_static]++;
     }
 }
 
@@ -153,7 +152,7 @@ struct sweeping {
     struct worker *worker;
     struct cell *cell;
     uint32_t *slot; /* of each row */
-    uint32_t at[3];       /* where the cell is in its level */
+    uint32_t at[3]; /* where the cell is in its level */
     struct pair_buffer found;
 };
 
@@ -250,8 +249,7 @@ static void name_rows(const struct sweeping *s)
 {
     struct cell *c = s->cell;
     for (uint32_t row = c->n; row % 8 != 0; row++) s->slot[row] = NONE;
-    for (uint32_t row = 0; row < c->n; row += 8)
-        memcpy(c->block[row / 8].id, s->slot + row, sizeof c->block->id);
+    for (uint32_t row = 0; row < c->n; row += 8) memcpy(c->block[row / 8].id, s->slot + row, sizeof c->block->id);
 }
 
 /* Sweeps a cell whose rows are marked: from each row that is not static over those behind it,
@@ -316,7 +314,8 @@ static void ask_coarser(void *context, struct worker *w, size_t first, size_t la
     const struct rebuild *r = context;
     for (size_t slot = first; slot < last; slot++)
         if (r->place[slot].span.level != NO_LEVEL)
-            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static, r->place[slot].span.level + 1u, LEVELS);
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static,
+                            r->place[slot].span.level + 1u, LEVELS);
 }
 
 /* Asks the finer levels for the boxes in slots first ... last - 1. */
@@ -325,7 +324,8 @@ static void ask_finer(void *context, struct worker *w, size_t first, size_t last
     const struct rebuild *r = context;
     for (size_t slot = first; slot < last; slot++)
         if (r->place[slot].span.level != NO_LEVEL && r->place[slot].span.level > 0)
-            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static, 0, r->place[slot].span.level);
+            msap_grid_query(r->grid, w, (uint32_t)slot, r->place[slot].span.is_static, 0,
+                            r->place[slot].span.level);
 }
 
 /* Settles the pairs that asking has found, from `first` on, and drops those that are not near and

@@ -116,12 +116,12 @@ static size_t sweep_eights(const struct cell *c, uint32_t first, uint32_t last, 
 
 /* For each set of columns, its columns in order, a byte each. */
 #define HAS(set, column) (((set) >> (column)) & 1)
-#define BEFORE(set, column) \
+#define BEFORE(set, column)                                                                          \
     (((column) > 0 && HAS(set, 0)) + ((column) > 1 && HAS(set, 1)) + ((column) > 2 && HAS(set, 2)) + \
      ((column) > 3 && HAS(set, 3)) + ((column) > 4 && HAS(set, 4)) + ((column) > 5 && HAS(set, 5)) + \
      ((column) > 6 && HAS(set, 6)))
 #define PLACED(set, column) ((uint64_t)(HAS(set, column) * (column)) << 8 * BEFORE(set, column))
-#define ORDER(set) \
+#define ORDER(set)                                                                                         \
     (PLACED(set, 1) | PLACED(set, 2) | PLACED(set, 3) | PLACED(set, 4) | PLACED(set, 5) | PLACED(set, 6) | \
      PLACED(set, 7))
 #define ORDER_4(set) ORDER(set), ORDER((set) + 1), ORDER((set) + 2), ORDER((set) + 3)
@@ -140,10 +140,10 @@ __attribute__((target("avx2"))) static inline size_t put_found(uint32_t *out, __
 }
 
 /* Two values of a row of eight values of 16 bits, each for one half. */
-#define HALVES256(values, a, b)                                                                              \
-    _mm256_shuffle_epi8(values, _mm256_setr_epi64x(0x0100010001000100 + (a)*0x0202020202020202,              \
-                                                   0x0100010001000100 + (a)*0x0202020202020202,              \
-                                                   0x0100010001000100 + (b)*0x0202020202020202,              \
+#define HALVES256(values, a, b)                                                                 \
+    _mm256_shuffle_epi8(values, _mm256_setr_epi64x(0x0100010001000100 + (a)*0x0202020202020202, \
+                                                   0x0100010001000100 + (a)*0x0202020202020202, \
+                                                   0x0100010001000100 + (b)*0x0202020202020202, \
                                                    0x0100010001000100 + (b)*0x0202020202020202))
 
 /* Two sides of eight boxes at a time: those that follow each other in a block. */

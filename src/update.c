@@ -74,7 +74,8 @@ static inline size_t update_plain(struct box_table *table, const struct part *pa
 static size_t update_part(struct box_table *t, const struct part *part, const msap_handle *handles,
                           const msap_boxes *from, size_t i, size_t k, uint32_t dims)
 {
-    return dims == 3 ? update_plain(t, part, handles, from, i, k, 3) : update_plain(t, part, handles, from, i, k, 2);
+    return dims == 3 ? update_plain(t, part, handles, from, i, k, 3)
+                     : update_plain(t, part, handles, from, i, k, 2);
 }
 
 /* -------------------------------------------------------------------- shared */
