@@ -45,7 +45,7 @@ void msap_boxes_init(struct box_table *t)
 void msap_boxes_free(struct box_table *t, struct memory *m)
 {
     msap_memory_free(m, t->at, t->room, sizeof *t->at);
-    msap_memory_free(m, t->before, t->room_before, sizeof *t->before);
+    msap_memory_free(m, t->past, t->room_past, sizeof *t->past);
     msap_memory_free(m, t->user_data, t->room_user, sizeof *t->user_data);
     msap_memory_free(m, t->changed, t->room_changed, sizeof *t->changed);
     msap_memory_free(m, t->left, t->room_left, sizeof *t->left);
@@ -64,7 +64,7 @@ int msap_boxes_reserve(struct box_table *t, struct memory *m, size_t slots)
 {
     if (t->user_data && !msap_boxes_hold_user_data(t, m, slots)) return 0;
     return msap_memory_reserve(m, &t->at, &t->room, slots, t->used, sizeof *t->at) &&
-           msap_memory_reserve(m, &t->before, &t->room_before, slots + 1, t->used, sizeof *t->before) &&
+           msap_memory_reserve(m, &t->past, &t->room_past, slots, t->used, sizeof *t->past) &&
            msap_memory_reserve(m, &t->changed, &t->room_changed, slots, t->n_changed, sizeof *t->changed) &&
            msap_memory_reserve(m, &t->left, &t->room_left, slots, t->n_left, sizeof *t->left);
 }
@@ -92,7 +92,7 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 {
     forget_slots(t);
     msap_memory_shrink(m, &t->at, &t->room, t->used, sizeof *t->at);
-    msap_memory_shrink(m, &t->before, &t->room_before, t->used ? t->used + 1 : 0, sizeof *t->before);
+    msap_memory_shrink(m, &t->past, &t->room_past, t->used, sizeof *t->past);
     msap_memory_shrink(m, &t->user_data, &t->room_user, t->used, sizeof *t->user_data);
     msap_memory_shrink(m, &t->changed, &t->room_changed, t->used, sizeof *t->changed);
     msap_memory_shrink(m, &t->left, &t->room_left, t->used, sizeof *t->left);
@@ -127,7 +127,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     t->live++;
     box_mark_changed(t, slot);
     box_mark_left(t, slot);
-    t->before[slot] = nowhere;
+    t->past[slot].before = nowhere;
 }
 
 /* Takes back the additions since the table had so many slots used and so many boxes on its

@@ -74,9 +74,7 @@ int msap_grid_reserve(struct grid *g, struct memory *m, size_t slots)
     size_t had = g->slots;
     if (slots <= had) return 1;
     if (slots > SIZE_MAX / 2 - 8) return 0;
-    if (!msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of) ||
-        !msap_memory_reserve(m, &g->start, &g->room_start, slots, had, sizeof *g->start))
-        return 0;
+    if (!msap_memory_reserve(m, &g->near.of, &g->near.room, slots, had, sizeof *g->near.of)) return 0;
     memset(g->near.of + had, 0, (slots - had) * sizeof *g->near.of);
     g->slots = slots;
     return 1;
@@ -114,14 +112,12 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     g->rows.chosen_for = 0;
     g->slots = slots;
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
-    msap_memory_shrink(m, &g->start, &g->room_start, slots, sizeof *g->start);
 }
 
 void msap_grid_free(struct grid *g, struct memory *m)
 {
     msap_grid_trim(g, m, g->slots);
     msap_memory_free(m, g->near.of, g->near.room, sizeof *g->near.of);
-    msap_memory_free(m, g->start, g->room_start, sizeof *g->start);
     memset(g, 0, sizeof *g);
 }
 

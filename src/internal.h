@@ -154,10 +154,16 @@ struct slot_queue {
     uint32_t head, tail;
 };
 
+/* Where the box of a slot was. */
+struct past {
+    struct bounds before; /* of a box on the changed list: at the last successful commit; or NOWHERE */
+    uint16_t start[3];    /* of one in the grid: min when it got its skin, lower halves */
+};
+
 struct box_table {
     struct box *at;
-    struct bounds *before; /* [slots + 1] of a box on the changed list: at the last commit; or NOWHERE */
-    void **user_data;      /* [slots]; NULL: all of them are NULL */
+    struct past *past; /* [slots] */
+    void **user_data;  /* [slots]; NULL: all of them are NULL */
     uint32_t *changed; /* slots whose box was added, updated or removed since the last commit, each once,
                           in any order */
     uint32_t *left;    /* those of them that came, went or were outside their fat bounds, each once, in
@@ -166,7 +172,7 @@ struct box_table {
     size_t used;       /* slots given out so far, but for those forgotten since */
     uint32_t
         first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
-    size_t room, room_before, room_user, room_changed, room_left;
+    size_t room, room_past, room_user, room_changed, room_left;
     size_t live;
     size_t n_changed, n_left;
     struct slot_queue removed; /* since the last commit, in the order of removal */
@@ -201,7 +207,7 @@ static inline int box_is_changed(const struct box_table *t, uint32_t slot)
 /* The bounds of a box at the last successful commit; they mean something with BOX_WAS. */
 static inline const struct bounds *box_before(const struct box_table *t, uint32_t slot)
 {
-    return box_is_changed(t, slot) ? &t->before[slot] : &t->at[slot].now;
+    return box_is_changed(t, slot) ? &t->past[slot].before : &t->at[slot].now;
 }
 
 /* Puts a box, whose bounds before are kept, on the changed list. */
@@ -215,7 +221,7 @@ static inline void box_list_changed(struct box_table *t, uint32_t slot)
 static inline void box_mark_changed(struct box_table *t, uint32_t slot)
 {
     if (box_is_changed(t, slot)) return;
-    t->before[slot] = t->at[slot].now;
+    t->past[slot].before = t->at[slot].now;
     box_list_changed(t, slot);
 }
 
@@ -309,11 +315,11 @@ static inline void settle(struct settler *s, uint32_t a, uint32_t b)
 void msap_touch_known_pairs(struct job *job);
 
 /* A pair that is known to overlap now, not both static, when the bounds before of all boxes
- * are in `before`. */
+ * are in `past`. */
 static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
 {
     const struct box_table *t = s->boxes;
-    if (!overlap(&t->before[a], &t->before[b])) msap_settle_change(s, pair_key(a, b), 1);
+    if (!overlap(&t->past[a].before, &t->past[b].before)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
 void msap_touch_all_boxes(const struct job *job);
@@ -721,11 +727,6 @@ struct row_sweep {
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
-/* Where a box was when it got its skin. */
-struct start {
-    int32_t min[3];
-};
-
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the
  * other one still holds boxes, they are moved over, some in each commit. */
@@ -739,9 +740,7 @@ struct grid {
     uint32_t next_to_move; /* slot */
     struct pool pool;      /* of the cells */
     struct near_lists near;
-    struct start *start; /* [slots] of the boxes in the grid */
-    size_t slots;        /* of the box table that lists and starts are ready for */
-    size_t room_start;
+    size_t slots;    /* of the box table that lists are ready for */
     uint32_t commit; /* counts commits, for the age of skins */
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */

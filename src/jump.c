@@ -159,7 +159,7 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
         const struct box *b = &t->at[slot];
         struct row_range *range = &j->range[slot];
         if (!(b->flags & BOX_LIVE)) continue;
-        if (!box_is_changed(t, slot)) t->before[slot] = b->now;
+        if (!box_is_changed(t, slot)) t->past[slot].before = b->now;
         uint64_t rows = range_rows(r, &b->now, range);
         range->is_static = (b->flags & BOX_STATIC) != 0;
         if (rows > MOST_ROWS) {

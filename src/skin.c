@@ -52,14 +52,20 @@ static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
 
 enum { CRAWL = 4 /* units in the last place, that one who crawls comes in a commit at the most */ };
 
-/* Where a box got its skin, and after how many commits, if its mean motion since then may say more than
- * this commit's; or NULL. */
-static const struct start *start_of(const struct grid *g, uint32_t slot, float *commits)
+/* For how many commits a box has had its skin, if its mean motion since then may say more than this
+ * commit's; or 0. */
+static uint32_t crawl_time(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
     uint32_t age = skin_age(b, g);
-    *commits = (float)age;
-    return b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? &g->start[slot] : NULL;
+    return b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? age : 0;
+}
+
+/* Min on an axis when the box got its skin. Of one that crawled since it differs in the lower half at most. */
+static int32_t started_from(const struct grid *g, uint32_t slot, int k)
+{
+    uint32_t now = (uint32_t)g->boxes->at[slot].now.min[k], way = (now - g->boxes->past[slot].start[k]) & 0xffff;
+    return (int32_t)(now - way + (way > 0x7fff ? 0x10000 : 0));
 }
 
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
@@ -107,16 +113,15 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
-    float commits;
-    const struct start *start = start_of(g, slot, &commits);
+    uint32_t commits = crawl_time(g, slot);
     m.low = three_values(now->min);
     m.high = three_values(now->max);
     m.down = _mm_sub_ps(m.low, three_values(before->min));
     m.up = _mm_sub_ps(m.high, three_values(before->max));
     __m128i axes = crawling(now, before);
-    if (start && _mm_movemask_epi8(axes) != 0) {
-        const int32_t from[4] = {start->min[0], start->min[1], start->min[2], 0};
-        __m128 mean = _mm_div_ps(_mm_sub_ps(m.low, three_values(from)), _mm_set1_ps(commits));
+    if (commits > 0 && _mm_movemask_epi8(axes) != 0) {
+        const int32_t from[4] = {started_from(g, slot, 0), started_from(g, slot, 1), started_from(g, slot, 2), 0};
+        __m128 mean = _mm_div_ps(_mm_sub_ps(m.low, three_values(from)), _mm_set1_ps((float)commits));
         m.down = choose_floats(axes, mean, m.down);
         m.up = choose_floats(axes, mean, m.up);
     }
@@ -174,15 +179,15 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     int axes[3], crawls = crawling(now, before, axes);
-    float commits;
-    const struct start *start = start_of(g, slot, &commits);
+    uint32_t commits = crawl_time(g, slot);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
         m.low[k] = value_of(now->min[k]);
         m.high[k] = value_of(now->max[k]);
         m.down[k] = m.low[k] - value_of(before->min[k]);
         m.up[k] = m.high[k] - value_of(before->max[k]);
-        if (start && crawls && axes[k]) m.down[k] = m.up[k] = (m.low[k] - value_of(start->min[k])) / commits;
+        if (commits > 0 && crawls && axes[k])
+            m.down[k] = m.up[k] = (m.low[k] - value_of(started_from(g, slot, k))) / (float)commits;
         m.size = larger(m.high[k] - m.low[k], m.size);
         m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }
@@ -245,7 +250,7 @@ static void start(const struct grid *g, uint32_t slot, uint32_t age)
 {
     struct box *b = &g->boxes->at[slot];
     b->since = (uint16_t)(g->commit - age);
-    memcpy(g->start[slot].min, b->now.min, sizeof g->start[slot].min);
+    for (int k = 0; k < 3; k++) g->boxes->past[slot].start[k] = (uint16_t)b->now.min[k];
 }
 
 /* Gives a box that has left its skin in this commit a new one. */

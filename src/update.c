@@ -18,7 +18,7 @@ static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
 {
     while (t->n_changed > n_changed) {
         uint32_t slot = t->changed[--t->n_changed];
-        t->at[slot].now = t->before[slot];
+        t->at[slot].now = t->past[slot].before;
         t->at[slot].flags &= ~(uint32_t)BOX_LEFT;
         t->at[slot].changed_in = 0;
     }
@@ -56,10 +56,10 @@ static inline size_t update_plain(struct box_table *table, const struct part *pa
         struct box *b = box_find(&t, handles[i], BOX_LIVE);
         int is_within;
         if (!b || box_is_changed(&t, slot)) break;
-        t.before[slot] = b->now;
+        t.past[slot].before = b->now;
         if (!encode_within(load_floats(min, sizeof(float), dims), load_floats(max, sizeof(float), dims), &b->fat,
                            &b->now, &is_within)) {
-            b->now = t.before[slot];
+            b->now = t.past[slot].before;
             break;
         }
         box_list_changed(&t, slot);

@@ -79,7 +79,7 @@ static msap_world *sound_world(int row)
 /* ----------------------------------------------------------------------- boxes */
 
 #define BOX(slot) (w->boxes.at[slot])
-#define BEFORE(slot) (w->boxes.before[slot]) /* of one that has changed */
+#define BEFORE(slot) (w->boxes.past[slot].before) /* of one that has changed */
 BREAK(now_inverted, SET(BOX(LOW).now.min[1], BOX(LOW).now.max[1] + 1))
 BREAK(before_inverted, SET(BEFORE(MIDDLE).min[1], BEFORE(MIDDLE).max[1] + 1))
 BREAK(marked_new, SET(BOX(LOW).flags, BOX(LOW).flags | BOX_NEW))
