@@ -178,8 +178,8 @@ def memory_line(results, kind):
 def memory_lines(results):
     yield from claims.count_table(results, "memory")
     yield from claims.paragraph(
-        "By the library's own count: the most that it ever held, with room to grow, and what it holds after "
-        "`msap_trim`. From the sparse boxes to the crowded ones, a moving box takes %s bytes (trimmed: %s), and %s "
+        "By the library's own count: the most that it ever held, with room to grow, an eighth of each array, and what "
+        "it holds after `msap_trim`, until the next commit makes cells and lists anew. From the sparse boxes to the crowded ones, a moving box takes %s bytes (trimmed: %s), and %s "
         "(%s) more for each candidate pair, a pair whose skins overlap."
         % sum(zip(*(memory_line(results, kind) for kind in ("peak", "trimmed"))), ()))
 

@@ -90,7 +90,7 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = w->grid.is_behind = 0;
+    w->grid.will_know_pairs = 0;
     if (w->boxes.n_changed > 0) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);

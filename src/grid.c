@@ -95,7 +95,7 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
-    g->is_tracking = g->is_jumping = g->is_behind = 0;
+    g->is_tracking = g->is_jumping = 0;
 }
 
 /* Gives back all that boxes in slots below `slots` do not need; the next commit makes

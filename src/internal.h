@@ -745,7 +745,6 @@ struct grid {
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
-    int is_behind;   /* within a commit: lists tell what the pairs were before it */
     int is_jumping;  /* the last commit kept nothing, because that was cheaper */
     int64_t gain;    /* in tests: what cells and lists have saved since they were made or could be again; or,
                         while nothing is kept, would have since */

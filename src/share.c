@@ -109,7 +109,7 @@ static void move_own(void *context, struct worker *w, size_t first, size_t last)
  * more to do. */
 static void equip(struct grid *g, const struct job *job, size_t tasks, size_t n)
 {
-    enum { FOUND = 2048, DOOMED = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
+    enum { FOUND = 256, DOOMED = 512, ONE_IN = 4, CLASSES = 6 /* up to 32 neighbours */ };
     for (size_t i = 1; i <= tasks; i++) {
         struct worker *w = &job->crew->worker[i];
         msap_memory_reserve(job->memory, &w->found, &w->room_found, FOUND, 0, sizeof *w->found);

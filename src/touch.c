@@ -141,5 +141,5 @@ static void catch_up(const struct grid *g, const struct settler *s)
 void msap_grid_committed(struct grid *g, const struct settler *s)
 {
     if (g->will_know_pairs || s->fresh.n + s->doomed.n > 0) g->knows_pairs = g->will_know_pairs;
-    if (g->is_behind) catch_up(g, s);
+    catch_up(g, s);
 }

@@ -200,7 +200,6 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
-    g->is_behind = 1;
     size_t gone = leave_first(g, job, misplaced, by_cell);
     uint32_t *slot = job->boxes->left + gone;
     uint8_t *state = by_cell ? msap_share_moves(g, job, slot, misplaced - gone) : NULL;

@@ -103,7 +103,7 @@ END_TEST
 
 /* ------------------------------------------------------------ all calls fail */
 
-/* What needs no memory works without any: all but add, add_many and commit. */
+/* What needs no memory works without any: all but add, add_many, commit and the first user data. */
 START_TEST(without_memory)
 {
     msap_config config = config_of(3, _i);

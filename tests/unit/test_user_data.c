@@ -208,9 +208,57 @@ START_TEST(a_handle_twice)
 }
 END_TEST
 
+static void *data_of(const msap_world *world, msap_handle handle)
+{
+    void *data = &marks[5];
+    ok(msap_get_user_data(world, 1, &handle, &data));
+    return data;
+}
+
+/* Room is taken with the first pointer that is not NULL: those of other boxes are NULL before and after,
+ * also when there is no memory for it. */
+START_TEST(data_that_comes_late)
+{
+    enum { BOXES = 40 };
+    tracker memory = {0};
+    msap_config config = config_of(3, _i);
+    msap_world *world;
+    msap_handle h[BOXES];
+    box unit = cube(0, 1);
+    void *data = &marks[2];
+    int i;
+    config.alloc = tracked_alloc;
+    config.free = tracked_free;
+    config.allocator_user = &memory;
+    ok(msap_create(&config, &world));
+    for (i = 0; i < BOXES / 2; i++)
+        h[i] = add(world, unit);
+    ck_assert_ptr_null(data_of(world, h[1]));
+    memory.fail_all = 1;
+    refused(msap_set_user_data(world, 1, &h[1], &data), MSAP_ERROR_MEMORY);
+    last_error(world, MSAP_ERROR_MEMORY, 0, MSAP_NO_BOUND);
+    ck_assert_ptr_null(data_of(world, h[1]));
+    memory.fail_all = 0;
+    if (_i % 2)
+        ok(msap_set_user_data(world, 1, &h[1], &data));
+    else
+        ok(msap_add(world, unit.min, unit.max, 0, data, &h[1]));
+    for (i = BOXES / 2; i < BOXES; i++)
+        h[i] = add(world, unit);
+    for (i = 0; i < BOXES; i++)
+        ck_assert_ptr_eq(data_of(world, h[i]), i == 1 ? data : NULL);
+    ok(msap_commit(world, NULL, NULL));
+    ok(msap_trim(world));
+    ck_assert_ptr_eq(data_of(world, h[1]), data);
+    ok(msap_destroy(world));
+    ck_assert(memory.blocks == 0 && memory.wrong == 0);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("user data");
+    tcase_add_loop_test(tests, data_that_comes_late, 0, SETUPS);
     tcase_add_loop_test(tests, callbacks_get_what_was_given, 0, SETUPS);
     tcase_add_loop_test(tests, set_before_the_commit, 0, SETUPS);
     tcase_add_loop_test(tests, pair_data_in_any_order, 0, SETUPS);
