@@ -1,5 +1,5 @@
 /* Measures what the ways to bring a world up to date cost, and suggests the weights by
- * which src/sap.c (for a single SAP) and src/track.c (for a Multi-SAP) choose among them.
+ * which src/sap.c (for a single SAP) and src/choose.c (for a Multi-SAP) choose among them.
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT

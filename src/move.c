@@ -95,7 +95,7 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
 static int place_own(struct grid *g, const struct region *own, uint32_t slot, struct spot *spot)
 {
     struct box *b = &g->boxes->at[slot], before = *b;
-    struct past *past = &g->boxes->past[slot], past_before = *past;
+    uint16_t *start = g->boxes->past[slot].start, started[3] = {start[0], start[1], start[2]};
     const struct layout *l = &g->layout[g->current];
     if (b->level != 0 || b->layout != g->current) return 0;
     struct range from = range_of(l, &b->fat);
@@ -104,7 +104,7 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot, st
     spot_of(l, &b->fat, spot);
     if (may_place(g, own, from, spot)) return msap_grid_move(g, NULL, slot, is_static(b), from, spot);
     *b = before;
-    *past = past_before;
+    memcpy(start, started, sizeof started);
     return 0;
 }
 
