@@ -181,11 +181,6 @@ static inline struct cell *cell_row(const struct level *l, int32_t y, int32_t z)
     return l->cell + (wrap(z, l->count[2]) * (size_t)l->count[1] + wrap(y, l->count[1])) * l->count[0];
 }
 
-static inline struct cell *cell_at(const struct level *l, const int32_t at[3])
-{
-    return cell_row(l, at[1], at[2]) + wrap(at[0], l->count[0]);
-}
-
 /* Visits the cells of a range row by row. */
 struct cell_walk {
     const struct level *level;
