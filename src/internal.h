@@ -290,7 +290,8 @@ struct settler {
 
 static inline uint64_t pair_key(uint32_t a, uint32_t b)
 {
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+    uint64_t key = (uint64_t)a << 32 | b, other = (uint64_t)b << 32 | a;
+    return key < other ? key : other;
 }
 
 void msap_settle_change(struct settler *s, uint64_t key, int is);

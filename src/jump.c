@@ -131,11 +131,12 @@ static inline void count_in_rows(const struct rows *r, const struct row_range *r
 {
     uint32_t row = range->row, more_y = range->more[0], more_z = range->more[1];
     if ((more_y | more_z) <= 1) {
-        uint32_t line = next_line(r, row);
         end[row]++;
         end[next_row(r, row)] += more_y;
-        end[line] += more_z;
-        end[next_row(r, line)] += more_y & more_z;
+        if (r->count[1] == 1) return;
+        row = next_line(r, row);
+        end[row] += more_z;
+        end[next_row(r, row)] += more_y & more_z;
         return;
     }
     for (uint32_t z = 0; z <= more_z; z++, row = next_line(r, row))
@@ -202,20 +203,48 @@ static void start_rows(struct jump *j, size_t rows)
     }
 }
 
+/* Names a box in the rows that it touches. */
+static void list_in_many(const struct rows *r, const struct row_range *range, uint32_t name, uint32_t *end,
+                         uint32_t *id)
+{
+    for (uint32_t z = 0, line = range->row; z <= range->more[1]; z++, line = next_line(r, line))
+        for (uint32_t y = 0, row = line; y <= range->more[0]; y++, row = next_row(r, row))
+            id[end[row]++] = name | (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
+}
+
+/* Names a box in a row if `is` is 1. If it is 0, what is written goes to `nowhere`, without a question. */
+static inline void list_if(uint32_t is, uint32_t *end, uint32_t *id, uint32_t name, uint32_t nowhere)
+{
+    id[nowhere ^ ((*end ^ nowhere) & (0 - is))] = name;
+    *end += is;
+}
+
+/* The same of a box that touches two rows on each axis at the most. */
+static inline void list_in_few(const struct rows *r, const struct row_range *range, uint32_t name, uint32_t *end,
+                               uint32_t *id, uint32_t nowhere)
+{
+    uint32_t more_y = range->more[0], more_z = range->more[1], row = range->row;
+    id[end[row]++] = name | ROW_STARTS_1 | ROW_STARTS_2;
+    list_if(more_y, &end[next_row(r, row)], id, name | ROW_STARTS_2, nowhere);
+    if (r->count[1] == 1) return;
+    row = next_line(r, row);
+    list_if(more_z, &end[row], id, name | ROW_STARTS_1, nowhere);
+    list_if(more_y & more_z, &end[next_row(r, row)], id, name, nowhere);
+}
+
 /* Names the boxes of each row, in their order. */
-static void list_rows(struct jump *j)
+static void list_rows(struct jump *j, uint32_t entries)
 {
     enum { AHEAD = 8 };
     const struct rows rows_now = j->grid->rows, *r = &rows_now;
-    uint32_t *id = j->set.id;
+    uint32_t *id = j->set.id, *end = j->end;
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
         const struct row_range range = j->range[slot];
         if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
         uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES);
-        for (uint32_t z = 0, line = range.row; z <= range.more[1]; z++, line = next_line(r, line))
-            for (uint32_t y = 0, row = line; y <= range.more[0]; y++, row = next_row(r, row))
-                id[j->end[row]++] = name | (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
+        if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, entries);
+        else list_in_many(r, &range, name, end, id);
     }
 }
 
@@ -255,7 +284,9 @@ static void settle_taken(struct settler *s, const struct pair_buffer *taken)
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
 {
     if (!msap_worker_has_room(w, taken->n, 0)) return;
-    for (size_t i = 0; i < taken->n; i++) w->pairs.at[w->pairs.n++] = pair_key(taken->a[i], taken->b[i]);
+    uint64_t *out = w->pairs.at + w->pairs.n;
+    for (size_t i = 0; i < taken->n; i++) out[i] = pair_key(taken->a[i], taken->b[i]);
+    w->pairs.n += taken->n;
 }
 
 /* The row of an entry. */
@@ -346,7 +377,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     msap_share_sort_values(job, j.order, j.n, j.order + job->boxes->used, r->low, r->extent);
     j.set = g->row_set;
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
-    list_rows(&j);
+    list_rows(&j, (uint32_t)entries);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
     job->worker->pairs.n = 0;
     msap_phase_run(job->crew, job->memory, fill_rows, &j, entries, WEIGHT_FILL); /* it finds nothing */
