@@ -72,7 +72,7 @@ static msap_status reserve_events(msap_world *w)
     int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) &&
                    msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) &&
                    msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active);
-    msap_scratch_get(&w->scratch, &w->memory, s->fresh.room > s->doomed.room ? s->fresh.room : s->doomed.room);
+    msap_scratch_get(&w->scratch, &w->memory, larger_of(s->fresh.room, s->doomed.room));
     return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
 

@@ -30,6 +30,10 @@ enum { MOST_WORKERS = 64, MOST_GRID_CELLS = 4096 };
 
 /* ---------------------------------------------------------------- memory.c */
 
+enum { CACHE_LINE = 64, HUGE_PAGE = 2097152 }; /* bytes */
+
+static inline size_t larger_of(size_t a, size_t b) { return a > b ? a : b; }
+
 /* The world's allocator, and the account of what it gave. */
 struct memory {
     msap_alloc_fn alloc;

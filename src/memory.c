@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #if defined(__linux__)
 #if !defined(_DEFAULT_SOURCE)
-#define _DEFAULT_SOURCE /* for madvise */
+#define _DEFAULT_SOURCE /* for madvise and posix_memalign */
 #endif
 #include <sys/mman.h>
 #endif
@@ -13,27 +13,22 @@
 
 #include <stdlib.h>
 
-/* Worlds of very many boxes are read here and there, and of small pages a processor knows the places
- * of few. So Linux is asked for huge ones, for what of the memory they fit into. */
-static void ask_for_huge_pages(void *memory, size_t size)
-{
-#if defined(MADV_HUGEPAGE)
-    const uintptr_t huge = 2097152, start = (uintptr_t)memory;
-    uintptr_t first = (start + huge - 1) / huge * huge, end = (start + size) / huge * huge;
-    if (memory && first < end) /* GCOVR_EXCL_BR_LINE: where malloc fails, tests have allocators of their own */
-        madvise((char *)memory + (first - start), end - first, MADV_HUGEPAGE);
-#else
-    (void)memory;
-    (void)size;
-#endif
-}
-
+/* Linux gives out small pages one by one, which takes longer than to fill them, and of small pages a processor
+ * knows the places of few. So it is asked for huge ones: an array gets as many as it fills and, if it fills half
+ * of another, that one too. */
 static void *default_alloc(void *user, size_t size)
 {
-    void *memory = malloc(size);
     (void)user;
-    ask_for_huge_pages(memory, size);
-    return memory;
+#if defined(MADV_HUGEPAGE)
+    size_t huge = (size / (HUGE_PAGE / 2) + 1) / 2 * HUGE_PAGE;
+    void *memory = NULL;
+    if (huge > 0) {
+        if (posix_memalign(&memory, HUGE_PAGE, larger_of(huge, size)) != 0) return NULL; /* GCOVR_EXCL_BR_LINE */
+        madvise(memory, huge, MADV_HUGEPAGE);
+        return memory;
+    }
+#endif
+    return malloc(size);
 }
 
 static void default_free(void *user, void *pointer, size_t size)
@@ -55,8 +50,6 @@ msap_status msap_memory_init(struct memory *m, msap_alloc_fn alloc, msap_free_fn
 
 /* An array starts at a cache line, so that a struct of 64 bytes is one; the byte before
  * it tells how far from there the allocator's memory starts. */
-enum { CACHE_LINE = 64 };
-
 void *msap_memory_alloc(struct memory *m, size_t count, size_t size)
 {
     if (count > (SIZE_MAX - CACHE_LINE) / size) return NULL;
@@ -106,7 +99,7 @@ int msap_memory_reserve(struct memory *m, void *pointer_to_array, size_t *room, 
     if (need <= *room) return 1;
     size_t roomy = *room + *room / 2, spared = need + need / 8;
     if (spared < need) return 0;
-    return msap_memory_resize(m, pointer_to_array, room, spared > roomy ? spared : roomy, used, size);
+    return msap_memory_resize(m, pointer_to_array, room, larger_of(spared, roomy), used, size);
 }
 
 /* Gives room for `need` elements, which are kept, back; without memory for the smaller

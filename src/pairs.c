@@ -84,17 +84,15 @@ void msap_pairs_free(struct pair_table *t, struct memory *m)
     memset(t, 0, sizeof *t);
 }
 
-static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
-
 /* Room for a commit's events. Returns 0 without memory, the pairs being as before. The
  * array has room for the most pairs so far and, behind them, the most deleted ones. */
 int msap_pairs_reserve(struct pair_table *t, struct memory *m, size_t created, size_t deleted)
 {
     size_t active = t->active - deleted + created;
-    size_t room = larger(active, t->most_active) + larger(deleted, t->most_deleted);
+    size_t room = larger_of(active, t->most_active) + larger_of(deleted, t->most_deleted);
     if (!msap_memory_reserve(m, &t->at, &t->room, room, t->active + t->deleted, sizeof *t->at)) return 0;
-    t->most_active = larger(active, t->most_active);
-    t->most_deleted = larger(deleted, t->most_deleted);
+    t->most_active = larger_of(active, t->most_active);
+    t->most_deleted = larger_of(deleted, t->most_deleted);
     if (!msap_memory_reserve(m, &t->next, &t->room_next, active, t->active, sizeof *t->next)) return 0;
     return active <= t->homes || resize_table(t, m, homes_for(active));
 }

@@ -13,7 +13,7 @@
  * A worker, which may not allocate, is lent arrays: its stock. */
 #include "internal.h"
 
-enum { LEAST_SLAB = 512, SHARE = 32, LINE = 64 /* bytes of a cache line: a block of a cell starts with one */ };
+enum { LEAST_SLAB = 512, SHARE = 32 };
 
 /* What stands in the first line of a slab; of a free array, `next` alone. */
 struct slab {
@@ -21,7 +21,7 @@ struct slab {
     size_t units;
 };
 
-static size_t slab_bytes(const struct pool *p, size_t units) { return LINE + units * p->unit; }
+static size_t slab_bytes(const struct pool *p, size_t units) { return CACHE_LINE + units * p->unit; }
 
 static void push(struct slab **list, void *array)
 {
@@ -37,10 +37,12 @@ static void *pop(struct slab **list)
     return s;
 }
 
-/* A slab with room for a thirty-second of what the pool has: so a large pool comes in large pieces. */
+/* A slab with room for a thirty-second of what the pool has and, if that would fill a huge page, for
+ * as much: so a large pool comes in large pieces. */
 static struct slab *new_slab(struct pool *p, struct memory *m)
 {
-    size_t units = p->units / SHARE > LEAST_SLAB ? p->units / SHARE : LEAST_SLAB;
+    const size_t huge = (HUGE_PAGE - 2 * CACHE_LINE) / p->unit; /* memory_alloc takes one line, too */
+    size_t units = larger_of(p->units / SHARE, p->units > huge ? huge : LEAST_SLAB);
     struct slab *s = msap_memory_alloc(m, slab_bytes(p, units), 1);
     if (!s) return NULL;
     s->units = units;
@@ -82,7 +84,7 @@ static void *cut(struct pool *p, struct memory *m, unsigned class)
         p->cut = s->units;
     }
     p->cut -= units;
-    return (char *)p->slabs + LINE + p->cut * p->unit;
+    return (char *)p->slabs + CACHE_LINE + p->cut * p->unit;
 }
 
 /* The class of the smallest arrays of so many units or more. */
