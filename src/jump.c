@@ -318,11 +318,13 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
     }
 }
 
-static void test_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
+/* Takes a pair that may overlap. */
+static inline void test_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
 {
     const struct box *p = &j->job->boxes->at[a], *q = &j->job->boxes->at[b];
-    if (!j->is_comparing) settle(&w->settler, a, b);
-    else if (overlap(&p->now, &q->now) && !(p->flags & q->flags & BOX_STATIC)) msap_worker_put(w, pair_key(a, b));
+    if (!overlap(&p->now, &q->now) || (p->flags & q->flags & BOX_STATIC)) return;
+    if (j->is_comparing) msap_worker_put(w, pair_key(a, b));
+    else settle_found(&w->settler, a, b);
 }
 
 /* Tests wide boxes first ... last - 1 against all. */
@@ -332,6 +334,7 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
     for (size_t i = first; i < last; i++) {
         for (size_t other = 0; other < i; other++) test_pair(j, w, j->wide[i], j->wide[other]);
         for (size_t other = 0; other < j->n; other++) test_pair(j, w, j->wide[i], key_box(j->order[other]));
+        w->settler.touched += i + j->n;
     }
 }
 
