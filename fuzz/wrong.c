@@ -198,7 +198,7 @@ static msap_status spoil_config(msap_config *config, uint32_t argument)
     case 2: config->grid = MSAP_GRID_FIXED + 1 + n; break;
     case 3: config->strategy = MSAP_STRATEGY_SWEEP + 1 + n; break;
     case 4: config->filters = 2 + n; break;
-    case 5: config->simd = MSAP_SIMD_256 + 1 + n; break;
+    case 5: config->simd = MSAP_SIMD_512 + 1 + n; break;
     case 6: config->max_boxes = MSAP_MAX_BOXES + 1 + n; break;
     case 7: config->workers = n & 1 ? 0 : 65 + n; break;
     case 8: config->margin = n & 1 ? NAN : n & 2 ? -0.5f : INFINITY; break;

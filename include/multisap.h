@@ -167,7 +167,8 @@ typedef enum msap_simd {
     MSAP_SIMD_AUTO = 0, /* the best that the machine has */
     MSAP_SIMD_NONE = 1, /* portable C */
     MSAP_SIMD_128 = 2,  /* four boxes at a time: SSE2, NEON */
-    MSAP_SIMD_256 = 3   /* eight boxes at a time: AVX2 */
+    MSAP_SIMD_256 = 3,  /* eight boxes at a time: AVX2 */
+    MSAP_SIMD_512 = 4   /* sixteen where that pays, else eight: AVX-512 */
 } msap_simd;
 
 #define MSAP_MARGIN_AUTO (-1.0f) /* each box has a skin that follows its own motion */

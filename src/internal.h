@@ -463,7 +463,7 @@ struct crew {
 
 /* Pairs on their way from where they are found to where they are settled: in between,
  * nothing depends on how many belong to one box, which no processor can guess. */
-enum { MOST_BUFFERED = 512, BUFFER_SLACK = 8 /* what may be written behind the last */ };
+enum { MOST_BUFFERED = 512, BUFFER_SLACK = 16 /* what may be written behind the last */ };
 struct pair_buffer {
     uint32_t a[MOST_BUFFERED + BUFFER_SLACK], b[MOST_BUFFERED + BUFFER_SLACK];
     size_t n;
@@ -716,7 +716,7 @@ struct row_set {
     int32_t *words; /* all of them */
     size_t room;
 };
-enum { ROW_SLACK = 8 }; /* entries that may be read behind the last */
+enum { ROW_SLACK = 16 }; /* entries that may be read behind the last */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);

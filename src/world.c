@@ -69,7 +69,7 @@ static int grid_legal(const msap_config *c)
 static int is_legal(const msap_config *c)
 {
     if (c->dims < 2 || c->dims > 3 || c->strategy > MSAP_STRATEGY_SWEEP || c->filters > 1) return 0;
-    if (c->simd > MSAP_SIMD_256 || c->max_boxes > MSAP_MAX_BOXES) return 0;
+    if (c->simd > MSAP_SIMD_512 || c->max_boxes > MSAP_MAX_BOXES) return 0;
     return grid_legal(c) && jobs_legal(c);
 }
 

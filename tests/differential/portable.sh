@@ -6,8 +6,9 @@
 #
 # Builds golden.c and the library in many ways, into FOLDER, and runs each: every one
 # must print what is pinned there. (Of x86-64, plain builds have SSE2 and choose AVX2
-# at run time; config.simd 1 sweeps in portable C, 2 with SSE2, 3 with AVX2; and without
-# __SSE2__ bounds are compared in portable C, too. aarch64 has NEON, s390x nothing.)
+# or AVX-512 at run time; config.simd 1 sweeps in portable C, 2 with SSE2, 3 with AVX2,
+# 4 with AVX-512; and without __SSE2__ bounds are compared in portable C, too. aarch64 has
+# NEON, s390x nothing.)
 # Compilers and emulators that this machine lacks are named and left out. The last line
 # counts; the exit status is 1 if any build failed.
 set -eu
@@ -78,7 +79,7 @@ for compiler in gcc clang; do
     here $compiler -O2 -ffast-math
     if [ "$(uname -m)" = x86_64 ]; then
         here $compiler -O3 -ffast-math -mavx2 -mfma
-        for simd in 1 2 3; do
+        for simd in 1 2 3 4; do
             build $compiler -O2 && play "$compiler -O2, config.simd $simd" "$folder/golden" $simd || :
         done
         build $compiler -O2 -U__SSE2__ && play "$compiler -O2 -U__SSE2__, config.simd 1" "$folder/golden" 1 || :

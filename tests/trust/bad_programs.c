@@ -238,7 +238,7 @@ static void bad_values(int row)
     bad_config(c.grid = UINT32_MAX);
     bad_config(c.strategy = 4);
     bad_config(c.filters = 2);
-    bad_config(c.simd = 4);
+    bad_config(c.simd = 5);
     bad_config(c.max_boxes = MSAP_MAX_BOXES + 1);
     bad_config(c.workers = 0);
     bad_config(c.workers = 65);

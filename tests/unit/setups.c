@@ -46,7 +46,7 @@ const setup setups[SETUPS] = {
     {.name = "16x32 within a unit, sweep", .grid = FIXED, .cells = {16, 32, 1}, .high = 1, .strategy = SWEEP},
     {.name = "no vectors", .simd = MSAP_SIMD_NONE},
     {.name = "vectors of 4", .simd = MSAP_SIMD_128},
-    {.name = "vectors of 8, sweep", .simd = MSAP_SIMD_256, .strategy = SWEEP},
+    {.name = "vectors of 8", .simd = MSAP_SIMD_256},
     {.name = "2 workers at once", .workers = 2, .jobs = JOBS_AT_ONCE},
     {.name = "16 workers at once, sweep", .workers = 16, .jobs = JOBS_AT_ONCE, .strategy = SWEEP},
     {.name = "4 workers late", .workers = 4, .jobs = JOBS_LATE},

@@ -120,7 +120,7 @@ START_TEST(create_refuses_values)
     } numbers[] = {
         {offsetof(msap_config, dims), 4},     {offsetof(msap_config, grid), 3},
         {offsetof(msap_config, strategy), 4}, {offsetof(msap_config, filters), 2},
-        {offsetof(msap_config, simd), 4},     {offsetof(msap_config, max_boxes), MSAP_MAX_BOXES + 1},
+        {offsetof(msap_config, simd), 5},     {offsetof(msap_config, max_boxes), MSAP_MAX_BOXES + 1},
         {offsetof(msap_config, workers), 65},
     };
     msap_config good = config_of(3, DEFAULT), config;

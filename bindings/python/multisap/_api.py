@@ -61,6 +61,7 @@ class Simd(enum.IntEnum):
     NONE = 1
     SIMD_128 = 2
     SIMD_256 = 3
+    SIMD_512 = 4
 
 
 class Scalar(enum.IntEnum):

@@ -215,7 +215,7 @@ def test_the_limit_of_boxes():
 
 
 @pytest.mark.parametrize("options", [
-    dict(dims=4), dict(dims=2**32 + 3), dict(dims=-1), dict(grid=9), dict(strategy=4), dict(simd=4),
+    dict(dims=4), dict(dims=2**32 + 3), dict(dims=-1), dict(grid=9), dict(strategy=4), dict(simd=5),
     dict(filters=2),
     dict(workers=0), dict(workers=65), dict(task_grain=2**32), dict(margin=-2), dict(margin=float("nan")),
     dict(cell_size=-1),
