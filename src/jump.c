@@ -283,7 +283,7 @@ static void settle_taken(struct settler *s, const struct pair_buffer *taken)
 
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
 {
-    if (!msap_worker_has_room(w, taken->n, 0)) return;
+    if (taken->n == 0 || !msap_worker_has_room(w, taken->n, 0)) return;
     uint64_t *out = w->pairs.at + w->pairs.n;
     for (size_t i = 0; i < taken->n; i++) out[i] = pair_key(taken->a[i], taken->b[i]);
     w->pairs.n += taken->n;
