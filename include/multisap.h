@@ -209,8 +209,9 @@ typedef struct msap_config {
     float cell_size;      /* MSAP_GRID_AUTO: least width of a cell; 0 (the default): chosen from the boxes */
     uint32_t grid_cells[3]; /* MSAP_GRID_FIXED: cells on each axis, 1 to 4096 each; default 1, 1, 1 */
     float grid_min[3], grid_max[3]; /* MSAP_GRID_FIXED: finite, min < max on axes with more than one cell */
-    msap_alloc_fn alloc;  /* both NULL (the default): malloc and free; on Linux, large arrays stand in huge
-                             pages of 2 MB (madvise), of which they fill at least half of each */
+    msap_alloc_fn alloc;  /* both NULL (the default): malloc and free; on Linux, arrays that fill half of a
+                             huge page (2 MB) or more stand in their own (madvise), so more may be resident than
+                             is counted */
     msap_free_fn free;
     void *allocator_user; /* handed to alloc and free; default NULL */
     msap_enqueue_fn enqueue; /* the host's job system; both NULL (the default): everything runs on the caller */

@@ -716,7 +716,7 @@ struct row_set {
     int32_t *words; /* all of them */
     size_t room;
 };
-enum { ROW_SLACK = 16 }; /* entries that may be read behind the last */
+enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);

@@ -15,7 +15,7 @@
  *    rows that they touch: so every row is sorted. Then their bounds are written into the
  *    rows, one after another.
  * 3. Each row is swept: from each box over those behind it until one starts after its
- *    end, eight at a time. Two boxes that meet in several rows are taken where, on both
+ *    end, up to sixteen at a time. Two boxes that meet in several rows are taken where, on both
  *    axes across, one of them starts: that is one row, unless rows wrap around so soon
  *    that the boxes meet at both ends.
  * 4. Boxes that touch many rows are in none; each is tested against all. Where there

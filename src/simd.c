@@ -5,7 +5,7 @@
  *
  * Over a cell, each function gives the slots, among rows first ... last - 1, whose rounded bounds
  * overlap those asked for, in the order of the rows; all give the same. Of a block of
- * eight, what lies outside those rows is read and left out. So it is with the sweeps
+ * eight or sixteen, what lies outside those rows is read and left out. So it is with the sweeps
  * over the rows of jump.c below. */
 #include "internal.h"
 
@@ -263,7 +263,7 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
 }
 #endif
 
-/* Sixteen at a time, and no more than one question to each block. */
+/* Sixteen at a time; each comparison asks of those that the last one has left. */
 #if defined(HAS_AVX512)
 #define LOAD512(array) _mm512_loadu_si512((const void *)(array))
 
@@ -303,7 +303,7 @@ __attribute__((target("avx512f"))) static void sweep_row_avx512(const struct row
     out->n = n;
 }
 
-/* Not where it came first: there, so wide vectors slow down all that runs beside them. */
+/* AVX-512 of its second generation, by one of the parts that came with it: on the first it was not measured. */
 static int use_avx512(uint32_t simd)
 {
     int may = simd == MSAP_SIMD_AUTO || simd >= MSAP_SIMD_512;

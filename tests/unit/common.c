@@ -311,7 +311,7 @@ static msap_pair *reference_find(const reference *r, size_t *count, size_t *room
     size_t i, j;
     *count = *room = 0;
     for (i = 0; i < r->slot_count; i++)
-        for (j = i + 1; j < r->slot_count && r->slots[i].state == SLOT_LIVE; j++)
+        for (j = i + 1; j < r->slot_count; j++)
             if (slots_pair(r, &r->slots[i], &r->slots[j])) {
                 msap_pair *p;
                 pairs = grow(pairs, room, *count, sizeof *pairs);

@@ -322,6 +322,37 @@ START_TEST(sizes_that_overflow)
 }
 END_TEST
 
+/* Once a pool has as much as a huge page, it comes in pieces that fill one to the last unit: with what the
+ * memory takes for itself, too. What is written into arrays stays there. Loop variable: bytes of a unit. */
+START_TEST(large_pools_come_in_huge_pages)
+{
+    const size_t unit = (size_t)_i, arrays = 6 * HUGE_PAGE / unit;
+    struct memory m;
+    struct pool p;
+    size_t huge = 0;
+    unsigned char **array = calloc(arrays, sizeof *array);
+    ck_assert_ptr_nonnull(array);
+    ok(msap_memory_init(&m, NULL, NULL, NULL));
+    msap_pool_init(&p, unit);
+    for (size_t i = 0; i < arrays; i++) {
+        uint64_t bytes = m.bytes;
+        array[i] = msap_pool_get(&p, &m, 0);
+        ck_assert(array[i] != NULL);
+        memset(array[i], (int)(i % 251), unit);
+        if (m.bytes == bytes) continue;
+        if (bytes > HUGE_PAGE) ck_assert_uint_gt(m.bytes - bytes + unit, HUGE_PAGE);
+        ck_assert_uint_le(m.bytes - bytes, bytes > HUGE_PAGE ? HUGE_PAGE : HUGE_PAGE / 4);
+        huge += bytes > HUGE_PAGE;
+    }
+    ck_assert_uint_ge(huge, 4);
+    for (size_t i = 0; i < arrays; i++)
+        if (array[i][0] != i % 251 || array[i][unit - 1] != i % 251) ck_abort_msg("array %zu was written to", i);
+    free(array);
+    msap_pool_free(&p, &m);
+    ck_assert_uint_eq(m.bytes, 0);
+}
+END_TEST
+
 /* As many slots as there can be, of which most are retired. */
 START_TEST(no_slot_is_left)
 {
@@ -609,6 +640,8 @@ int main(void)
     tcase_add_test(tests, slots_with_too_many_bits_do_not_go_into_rows);
     tcase_add_loop_test(tests, what_is_broken_is_named, 0, COUNT(breaks));
     tcase_add_loop_test(tests, sizes_that_overflow, DEFAULT, SINGLE_SAP + 1);
+    tcase_add_loop_test(tests, large_pools_come_in_huge_pages, 16, 17);
+    tcase_add_loop_test(tests, large_pools_come_in_huge_pages, 128, 129);
     tcase_add_loop_test(tests, no_slot_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, no_pair_is_left, DEFAULT, SINGLE_SAP + 1);
     tcase_add_loop_test(tests, generations_end, 0, SETUPS);

@@ -16,7 +16,7 @@
 
 enum { BOXES = 240 };
 
-static const uint32_t simd[] = {MSAP_SIMD_NONE, MSAP_SIMD_128, MSAP_SIMD_256};
+static const uint32_t simd[] = {MSAP_SIMD_NONE, MSAP_SIMD_128, MSAP_SIMD_256, MSAP_SIMD_512};
 
 /* Boxes that are in no world, and where they are in a layout. */
 static struct inner_box inner[BOXES];
