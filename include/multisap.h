@@ -443,8 +443,9 @@ typedef struct msap_world_stats {
     uint64_t candidates;        /* pairs of neighbours: boxes whose skins overlap */
 } msap_world_stats;
 
-/* Fills *stats. Errors: MSAP_ERROR_NULL, _STRUCT_SIZE. Thread rule: reader. Cost:
- * O(n + cells). */
+/* Fills *stats. Boxes that have not moved since a commit that pruned all boxes, as static
+ * ones of a world that was loaded, may be in no cell, and two of them are no candidates.
+ * Errors: MSAP_ERROR_NULL, _STRUCT_SIZE. Thread rule: reader. Cost: O(n + cells). */
 MSAP_API msap_status msap_stats(const msap_world *world, msap_world_stats *stats);
 
 /* Checks every invariant of the world; reads only, allocates nothing, and is legal

@@ -17,6 +17,7 @@ static void queue_put(struct box_table *t, struct slot_queue *q, uint32_t slot)
     if (q->head == NONE) q->head = slot;
     else set_next(&t->at[q->tail], slot);
     q->tail = slot;
+    q->n++;
 }
 
 static void queue_put_back(struct box_table *t, struct slot_queue *q, uint32_t slot)
@@ -24,12 +25,18 @@ static void queue_put_back(struct box_table *t, struct slot_queue *q, uint32_t s
     set_next(&t->at[slot], q->head);
     if (q->head == NONE) q->tail = slot;
     q->head = slot;
+    q->n++;
 }
 
+/* What follows is fetched into the cache: queues are long when many boxes come or go, and in any order. */
 static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
 {
     uint32_t slot = q->head;
     q->head = box_next(&t->at[slot]);
+    q->n--;
+    if (q->head == NONE) return slot;
+    prefetch(&t->at[q->head]);
+    prefetch(&t->past[q->head]);
     return slot;
 }
 
@@ -75,7 +82,7 @@ static int is_free(const struct box *b) { return b->flags == 0 && b->generation 
  * place of one has a generation that no handle of it had. */
 static void forget_slots(struct box_table *t)
 {
-    struct slot_queue kept = {NONE, NONE};
+    struct slot_queue kept = {NONE, NONE, 0};
     while (t->used > 0 && is_free(&t->at[t->used - 1])) {
         uint32_t generation = t->at[--t->used].generation;
         if (generation > t->first_generation) t->first_generation = generation;
@@ -101,9 +108,7 @@ void msap_boxes_trim(struct box_table *t, struct memory *m)
 /* How many slots the table needs to take k more boxes. */
 size_t msap_boxes_slots_for(const struct box_table *t, size_t k)
 {
-    size_t free = 0;
-    for (uint32_t slot = t->free.head; slot != NONE && free < k; slot = box_next(&t->at[slot])) free++;
-    return t->used + (k - free);
+    return t->used + (k > t->free.n ? k - t->free.n : 0);
 }
 
 static uint32_t take_slot(struct box_table *t)
@@ -125,6 +130,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
     if (t->user_data) t->user_data[slot] = user_data;
     t->live++;
+    t->live_static += (b->flags & BOX_STATIC) != 0;
     box_mark_changed(t, slot);
     box_mark_left(t, slot);
     t->past[slot].before = nowhere;
@@ -137,9 +143,10 @@ void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, siz
     t->n_left = n_left;
     while (t->n_changed > n_changed) {
         uint32_t slot = t->changed[--t->n_changed];
+        t->live--;
+        t->live_static -= (t->at[slot].flags & BOX_STATIC) != 0;
         t->at[slot].flags = 0;
         t->at[slot].changed_in = 0;
-        t->live--;
         if (slot >= used) t->used--;
         else queue_put_back(t, &t->free, slot);
     }
@@ -149,6 +156,7 @@ void msap_box_remove(struct box_table *t, uint32_t slot)
 {
     t->at[slot].flags = (t->at[slot].flags & ~(uint32_t)BOX_LIVE) | BOX_REMOVED;
     t->live--;
+    t->live_static -= (t->at[slot].flags & BOX_STATIC) != 0;
     box_mark_changed(t, slot);
     box_mark_left(t, slot);
     queue_put(t, &t->removed, slot);

@@ -70,7 +70,7 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->wide) + pairs * JUMP_PAIR,
+    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->n_wide) + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
 }
@@ -111,6 +111,7 @@ static void learn_doubt(struct grid *g, int64_t moves)
 /* While nothing is kept. */
 static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
 {
+    if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
     g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
     g->gain += c->jump - foreseen_cost(g, job);
     if (g->gain < 0) g->gain = 0;
@@ -131,6 +132,18 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     return foreseen_cost(g, job) < c->jump ? TRACK : JUMP_OR_TRACK;
 }
 
+/* The first commit of a world. Boxes that are not static will move, and it is better that they have cells and
+ * neighbours by then; but to make these for all boxes would be in vain where most are static. There they stay in the
+ * rows in which all are pruned, and the others, if they are few, leave them at once. */
+static enum way choose_first(struct grid *g, const struct box_table *t)
+{
+    enum { MOST = 2, FEW = 8 };
+    size_t others = t->live - t->live_static;
+    if (MOST * others > t->live) return REBUILD;
+    g->will_rest = FEW * others <= t->live;
+    return JUMP_OR_REBUILD;
+}
+
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
 {
@@ -138,7 +151,8 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     const struct box_table *t = job->boxes;
     int64_t leaving = 0, early = 0;
     struct costs c = costs_of(g, job);
-    if (!g->is_tracking) return g->is_jumping ? choose_untracked(g, job, &c) : REBUILD;
+    if (!g->is_tracking && !g->is_jumping) return choose_first(g, t);
+    if (!g->is_tracking) return choose_untracked(g, job, &c);
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);

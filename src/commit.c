@@ -39,12 +39,18 @@ static void forget_events(struct settler *s)
     s->touched = s->crossings = 0;
 }
 
+static struct job job_of(msap_world *w)
+{
+    struct job job = {&w->boxes,   &w->pairs, &w->crew.worker[0], &w->memory,
+                      &w->scratch, &w->crew,  w->config.filters};
+    return job;
+}
+
 /* Steps 1 and 2: fills the lists of events. */
 static msap_status find_events(msap_world *w)
 {
-    struct worker *own = &w->crew.worker[0];
-    struct settler *s = &own->settler;
-    struct job job = {&w->boxes, &w->pairs, own, &w->memory, &w->scratch, &w->crew, w->config.filters};
+    struct job job = job_of(w);
+    struct settler *s = &job.worker->settler;
     s->boxes = &w->boxes;
     s->memory = &w->memory;
     s->has_repeats = !is_grid(&w->config);
@@ -90,7 +96,7 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = 0;
+    w->grid.will_know_pairs = w->grid.will_rest = 0;
     if (w->boxes.n_changed > 0) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);
@@ -102,6 +108,10 @@ static msap_status apply_changes(msap_world *w)
     if (is_grid(&w->config)) msap_grid_committed(&w->grid, s);
     msap_pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
     msap_boxes_committed(&w->boxes);
+    if (w->grid.will_rest) {
+        struct job job = job_of(w);
+        msap_grid_loaded(&w->grid, &job);
+    }
     w->commits++;
     return MSAP_OK;
 }

@@ -95,7 +95,7 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
-    g->is_tracking = g->is_jumping = 0;
+    g->is_tracking = g->is_jumping = g->is_resting = 0;
 }
 
 /* Gives back all that boxes in slots below `slots` do not need; the next commit makes
@@ -107,6 +107,9 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_pool_free(&g->near.pool, m);
     for (int i = 0; i < 2; i++) msap_layout_free(&g->layout[i], m);
     msap_row_set_free(&g->row_set, m);
+    msap_memory_free(m, g->reach, g->room_reach, sizeof *g->reach);
+    g->reach = NULL;
+    g->room_reach = 0;
     msap_keys_free(&g->known, m);
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
@@ -270,7 +273,7 @@ size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int
         spot_of(other, a.fat, &there);
         if (!find_on_others(&a, w, other, LEVELS, &there, &n)) return SIZE_MAX;
     }
-    return n;
+    return g->is_resting ? msap_rest_find(g, w, a.fat, is_static, BOX_LIVE | BOX_WAS, n) : n;
 }
 
 /* The same on levels from `first` to `last` - 1 of the current layout, which is the only one: they are

@@ -104,27 +104,27 @@ static uint64_t mark_of(uint32_t low, uint32_t high)
     return x ^ x >> 29;
 }
 
-static const char *entry_broken(const struct box_table *boxes, uint32_t slot, uint32_t entry)
+static const char *entry_broken(const struct grid *g, uint32_t slot, uint32_t entry)
 {
+    const struct box_table *boxes = g->boxes;
     uint32_t other = near_slot(entry);
     if (other >= boxes->used) return "a neighbour list names no slot";
     const struct box *p = &boxes->at[slot], *q = &boxes->at[other];
     if (p->flags & q->flags & BOX_STATIC) return "two static boxes are neighbours";
-    if (!overlap(&boxes->at[slot].fat, &boxes->at[other].fat))
+    if (!overlap(bounds_in_grid(g, slot), bounds_in_grid(g, other)))
         return "the fat bounds of neighbours do not overlap";
     if (((entry & NEAR_PAIR) != 0) != (other > slot && were_pair(boxes, slot, other)))
         return "a neighbour list is wrong about a pair";
     return NULL;
 }
 
-static const char *list_broken(const struct grid *g, const struct box_table *boxes, uint32_t slot, uint64_t *marks,
-                               size_t *pairs)
+static const char *list_broken(const struct grid *g, uint32_t slot, uint64_t *marks, size_t *pairs)
 {
     const struct near_list *l = &g->near.of[slot];
     if (l->n > near_room(l) || l->n_above > l->n || l->noted) return "a neighbour list is overfull or untidy";
     for (uint32_t i = 0; i < l->n; i++) {
         uint32_t other = near_slot(l->at[i]);
-        const char *broken = entry_broken(boxes, slot, l->at[i]);
+        const char *broken = entry_broken(g, slot, l->at[i]);
         if (broken) return broken;
         if ((other > slot) != (i < l->n_above)) return "a neighbour list is not in order";
         *marks += i < l->n_above ? mark_of(slot, other) : 0 - mark_of(other, slot);
@@ -133,18 +133,24 @@ static const char *list_broken(const struct grid *g, const struct box_table *box
     return NULL;
 }
 
+/* Whether the two boxes of a pair rest: then they are no neighbours. */
+static int both_rest(const struct grid *g, const msap_pair *pair)
+{
+    return rests(g, &g->boxes->at[slot_of(pair->a)]) && rests(g, &g->boxes->at[slot_of(pair->b)]);
+}
+
 /* The marks of all pairs, added from the lower box and taken off from the higher one,
  * leave nothing if lists are mutual. */
-static const char *lists_broken(const struct grid *g, const struct box_table *boxes,
-                                const struct pair_table *pairs)
+static const char *lists_broken(const struct grid *g, const struct pair_table *pairs)
 {
     uint64_t marks = 0;
     size_t in_lists = 0;
-    for (uint32_t slot = 0; slot < boxes->used; slot++) {
-        const char *broken = list_broken(g, boxes, slot, &marks, &in_lists);
+    for (uint32_t slot = 0; slot < g->boxes->used; slot++) {
+        const char *broken = list_broken(g, slot, &marks, &in_lists);
         if (broken) return broken;
     }
     if (marks != 0) return "a box is a neighbour, but not the other way round";
+    for (size_t i = 0; i < pairs->active; i++) in_lists += both_rest(g, &pairs->at[i]);
     return in_lists == pairs->active ? NULL : "a pair are no neighbours";
 }
 
@@ -154,10 +160,11 @@ const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes
 {
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         const struct box *b = &boxes->at[slot];
-        int is_in = boxes->at[slot].level != NO_LEVEL;
+        int is_in = b->level != NO_LEVEL || rests(g, b);
         if (is_in != ((b->flags & BOX_WAS) != 0)) return "the grid holds other boxes than the last commit";
         if (is_in && !contains(&b->fat, box_before(boxes, slot))) return "a box is outside its fat bounds";
     }
-    const char *broken = cells_broken(g, boxes);
-    return broken ? broken : lists_broken(g, boxes, pairs);
+    const char *broken = g->is_resting ? msap_rest_broken(g) : NULL;
+    if (!broken) broken = cells_broken(g, boxes);
+    return broken ? broken : lists_broken(g, pairs);
 }

@@ -156,6 +156,7 @@ static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.m
 /* Slots in the order in which they came, linked through box_next. */
 struct slot_queue {
     uint32_t head, tail;
+    size_t n;
 };
 
 /* Where the box of a slot was. */
@@ -177,7 +178,7 @@ struct box_table {
     uint32_t
         first_generation; /* of a slot that is given out for the first time; above that of any forgotten one */
     size_t room, room_past, room_user, room_changed, room_left;
-    size_t live;
+    size_t live, live_static;
     size_t n_changed, n_left;
     struct slot_queue removed; /* since the last commit, in the order of removal */
     struct slot_queue free;    /* to be given out again, in this order */
@@ -644,6 +645,7 @@ sweep_fn msap_sweep_for(uint32_t simd);
 
 enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
+enum { MOST_WIDE = 64 }; /* boxes that are in no row */
 enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, MOST_CELLS = 8 };
 /* Cells of an axis-aligned block of the grid, low and high included. The fourth of each means nothing. */
 struct range {
@@ -708,13 +710,18 @@ struct rows {
 #define ROW_STARTS_2 0x40000000u
 #define ROW_MOVES 0x20000000u
 #define ROW_MARKS (ROW_STARTS_1 | ROW_STARTS_2 | ROW_MOVES)
+/* Or: it was not there at the last commit. */
+#define ROW_NEW 0x10000000u
+
+static inline uint32_t row_slot(uint32_t id) { return id & ~(ROW_MARKS | ROW_NEW); }
 
 /* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. */
 struct row_set {
     int32_t *min[3], *max[3];
     uint32_t *id;   /* slots with marks */
     int32_t *words; /* all of them */
-    size_t room;
+    uint32_t *end;  /* [rows] behind the last entry of each row */
+    size_t entries, room, room_end;
 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
@@ -726,6 +733,16 @@ void msap_row_set_free(struct row_set *set, struct memory *m);
 struct row_sweep {
     uint32_t i, j, last, end;
 };
+
+/* Bounds that ask a row. */
+struct row_question {
+    int32_t min[3], max[3]; /* by axis of the rows */
+    uint32_t lacks;         /* marks that what is taken has */
+    uint16_t flags;         /* and flags of its box */
+};
+enum { ENTRIES_ASKED = 16 }; /* at a time */
+size_t msap_ask_entries(const struct row_set *set, const struct row_question *q, uint32_t first, uint32_t end,
+                        uint32_t *out);
 
 /* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
  * taken. */
@@ -750,17 +767,36 @@ struct grid {
     size_t moves;    /* boxes that the last commit put into other cells or gave a new skin */
     int is_empty;    /* no box is in any cell or list */
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
-    int is_jumping;  /* the last commit kept nothing, because that was cheaper */
-    int64_t gain;    /* in tests: what cells and lists have saved since they were made or could be again; or,
+    int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
+    int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
+    int64_t gain;   /* in tests: what cells and lists have saved since they were made or could be again; or,
                         while nothing is kept, would have since */
-    uint32_t doubt;  /* how many boxes more than one move for each that is foreseen to, in sixteenths */
-    size_t wide;     /* boxes in no row, when all were pruned last */
+    uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
     struct rows rows;
-    struct row_set row_set;
+    struct row_set
+        row_set; /* while is_jumping or is_resting: all boxes that were pruned last, as they were then */
+    uint32_t wide[MOST_WIDE]; /* but for these */
+    size_t n_wide;
+    int32_t *reach; /* while is_resting: see rest.c */
+    size_t room_reach;
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
+    int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
+
+/* Whether a box rests in the rows; one that was removed does until the commit is over. */
+static inline int rests(const struct grid *g, const struct box *b)
+{
+    return g->is_resting && b->level == NO_LEVEL && (b->flags & BOX_WAS);
+}
+
+/* The bounds by which a box has neighbours. */
+static inline const struct bounds *bounds_in_grid(const struct grid *g, uint32_t slot)
+{
+    const struct box *b = &g->boxes->at[slot];
+    return rests(g, b) ? box_before(g->boxes, slot) : &b->fat;
+}
 
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
 void msap_grid_empty_cells(struct grid *g, struct memory *m);
@@ -778,7 +814,7 @@ size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int
                       const struct spot *spot);
 void msap_grid_query(const struct grid *g, struct worker *w, uint32_t self, int is_static, uint32_t first,
                      uint32_t last);
-int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes);
+int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes, size_t n);
 void msap_layout_empty(struct layout *l, struct pool *p, struct memory *m);
 void msap_layout_free(struct layout *l, struct memory *m);
 int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *boxes);
@@ -848,15 +884,22 @@ uint8_t *msap_share_moves(struct grid *g, const struct job *job, uint32_t *slot,
 
 /* ------ choose.c, rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
-enum way { TRACK, REBUILD, JUMP_OR_TRACK, JUMP_OR_REBUILD /* where a scene is not suited */ };
+enum way { TRACK, REST, REBUILD, JUMP_OR_TRACK, JUMP_OR_REBUILD /* where a scene is not suited */ };
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
+int msap_rest_begin(struct grid *g, struct job *job, size_t n);
+void msap_rest_mark(const struct grid *g, struct box_table *t);
+int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);
+size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
+                      uint32_t flags, size_t n);
+const char *msap_rest_broken(const struct grid *g);
 int msap_compare_is_worth_it(const struct grid *g, const struct pair_table *pairs);
 int msap_compare(struct grid *g, struct job *job);
 const char *msap_known_broken(const struct grid *g, const struct pair_table *pairs);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
+void msap_grid_loaded(struct grid *g, struct job *job);
 int msap_grid_touch(const struct grid *g, struct job *job);
 void msap_grid_committed(struct grid *g, const struct settler *s);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);

@@ -22,16 +22,16 @@
  *    are many such boxes this is not the way, and the grid must be rebuilt.
  *
  * Naming takes the calling thread, the rest all workers. */
-#include "cells.h"
+#include "rows.h"
 
-enum { MOST_ROWS = 8, MOST_ACTIVE = 8, MOST_WIDE = 64 };
+enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
 
 /* The rows that a box touches: from which one and, of a box that is not wide, how many more on
  * each axis across. */
 struct row_range {
     uint32_t row;
     uint8_t more[2];
-    uint8_t is_static;
+    uint8_t is_static, is_new;
 };
 
 /* What a worker has counted of the slots from the first on. */
@@ -48,7 +48,8 @@ struct jump {
     struct row_range *range; /* [slots] */
     uint32_t *wide;          /* [n_wide] slots of the boxes of step 4 */
     size_t n, n_wide;
-    uint32_t *end; /* [rows] behind the last box of each row; and as many for each other worker */
+    uint32_t *end;    /* [rows] behind the last box of each row */
+    uint32_t *end_by; /* [rows] the same of each worker but the calling thread's */
     struct counted by[1 + MOST_WORKERS];
     struct row_set set; /* the boxes, row after row */
     int is_comparing;   /* the pairs found are kept instead of settled */
@@ -91,39 +92,14 @@ static void choose_rows(struct rows *r, const struct box_table *boxes)
 
 /* --------------------------------------------------------------- steps 1, 2 */
 
-/* The row behind one on the first axis across, and on the second, around the end. */
-static inline uint32_t next_row(const struct rows *r, uint32_t row)
-{
-    uint32_t last = r->count[0] - 1;
-    return (row & ~last) | ((row + 1) & last);
-}
-static inline uint32_t next_line(const struct rows *r, uint32_t row)
-{
-    return (row + r->count[0]) & (r->count[0] * r->count[1] - 1);
-}
-
-/* Where the first of the rows from unit `low` on is, *more of them besides: at the start if those
- * are all, all around. */
-static inline uint32_t first_of(int32_t low, uint32_t *more, uint32_t count)
-{
-    if (*more < count) return (uint32_t)low & (count - 1);
-    *more = count - 1;
-    return 0;
-}
-
 /* The rows that a box touches; returns how many. */
 static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
 {
-    const float scale[4] = {r->scale[0], r->scale[1], r->scale[0], r->scale[1]};
-    const int32_t end[4] = {b->min[r->axis[1]], b->min[r->axis[2]], b->max[r->axis[1]], b->max[r->axis[2]]};
-    int32_t at[4];
-    four_units(scale, end, at);
-    uint32_t more_y = (uint32_t)at[2] - (uint32_t)at[0], more_z = (uint32_t)at[3] - (uint32_t)at[1];
-    uint32_t y = first_of(at[0], &more_y, r->count[0]), z = first_of(at[1], &more_z, r->count[1]);
-    range->row = z * r->count[0] + y;
-    range->more[0] = (uint8_t)more_y;
-    range->more[1] = (uint8_t)more_z;
-    return (uint64_t)(more_y + 1) * (more_z + 1);
+    struct row_span span = rows_of(r, b);
+    range->row = span.row;
+    range->more[0] = (uint8_t)span.more[0];
+    range->more[1] = (uint8_t)span.more[1];
+    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
 }
 
 /* Counts a box in its rows: where it touches two on each axis at the most, without a question. */
@@ -152,7 +128,7 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     const struct box_table *t = j->job->boxes;
     uint32_t sweep_axis = r->axis[0];
     size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
-    struct counted c = {first, 0, 0, 0, j->end + worker * all_rows};
+    struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
     uint64_t *order = j->order + first;
     uint32_t *wide = j->wide + first;
     memset(c.end, 0, all_rows * sizeof *c.end);
@@ -163,6 +139,7 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
         if (!box_is_changed(t, slot)) t->past[slot].before = b->now;
         uint64_t rows = range_rows(r, &b->now, range);
         range->is_static = (b->flags & BOX_STATIC) != 0;
+        range->is_new = !(b->flags & BOX_WAS);
         if (rows > MOST_ROWS) {
             wide[c.n_wide++] = slot;
             continue;
@@ -237,12 +214,13 @@ static void list_rows(struct jump *j, uint32_t entries)
 {
     enum { AHEAD = 8 };
     const struct rows rows_now = j->grid->rows, *r = &rows_now;
+    const uint32_t news = j->is_comparing ? 0 : ROW_NEW;
     uint32_t *id = j->set.id, *end = j->end;
     for (size_t i = 0; i < j->n; i++) {
         uint32_t slot = key_box(j->order[i]);
         const struct row_range range = j->range[slot];
         if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
-        uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES);
+        uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES) | (range.is_new ? news : 0);
         if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, entries);
         else list_in_many(r, &range, name, end, id);
     }
@@ -262,8 +240,8 @@ static void fill_rows(void *context, struct worker *w, size_t first, size_t last
         max[axis[k]] = j->set.max[k];
     }
     for (size_t i = first; i < last; i++) {
-        const struct bounds *b = &boxes[id[i] & ~ROW_MARKS].now;
-        if (i + AHEAD < last) prefetch(&boxes[id[i + AHEAD] & ~ROW_MARKS]);
+        const struct bounds *b = &boxes[row_slot(id[i])].now;
+        if (i + AHEAD < last) prefetch(&boxes[row_slot(id[i + AHEAD])]);
         min[0][i] = b->min[0];
         min[1][i] = b->min[1];
         min[2][i] = b->min[2];
@@ -275,10 +253,15 @@ static void fill_rows(void *context, struct worker *w, size_t first, size_t last
 
 /* --------------------------------------------------------------- steps 3, 4 */
 
+/* Pairs of a box that is new are new, wherever it was before. */
 static void settle_taken(struct settler *s, const struct pair_buffer *taken)
 {
     s->touched += taken->n;
-    for (size_t i = 0; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
+    for (size_t i = 0; i < taken->n; i++) {
+        uint32_t a = taken->a[i], b = taken->b[i];
+        if ((a | b) & ROW_NEW) msap_settle_change(s, pair_key(row_slot(a), row_slot(b)), 1);
+        else settle_found(s, a, b);
+    }
 }
 
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
@@ -344,15 +327,26 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 static int place_arrays(struct jump *j)
 {
     size_t slots = j->job->boxes->used, rows = (size_t)j->grid->rows.count[0] * j->grid->rows.count[1];
-    size_t ends = rows * (1 + msap_phase_tasks(j->job->crew, slots, WEIGHT_ROWS));
-    size_t words = 3 * slots + slots + slots / 2 + 1 + ends / 2 + 1; /* a range is one */
+    size_t ends = rows * msap_phase_tasks(j->job->crew, slots, WEIGHT_ROWS);
+    struct row_set *set = &j->grid->row_set;
+    size_t words = slots + slots + slots / 2 + 1 + ends / 2 + 1; /* a range is one */
     uint64_t *at = msap_scratch_get(j->job->scratch, j->job->memory, words);
-    if (!at) return 0;
+    if (!at || !msap_memory_reserve(j->job->memory, &set->end, &set->room_end, rows, 0, sizeof *set->end))
+        return 0;
     j->order = at;
-    j->range = (struct row_range *)(void *)(at + 3 * slots);
-    j->wide = (uint32_t *)(void *)(at + 4 * slots);
-    j->end = (uint32_t *)(void *)(at + 4 * slots + slots / 2 + 1);
+    j->range = (struct row_range *)(void *)(at + slots);
+    j->wide = (uint32_t *)(void *)(at + 2 * slots);
+    j->end_by = (uint32_t *)(void *)(at + 2 * slots + slots / 2 + 1);
+    j->end = set->end;
     return 1;
+}
+
+/* Whether boxes were only removed: then no pair is new, and the rows hold all others. */
+static int are_only_removed(const struct box_table *t)
+{
+    size_t n = 0;
+    while (n < t->n_changed && !(t->at[t->changed[n]].flags & BOX_LIVE)) n++;
+    return n == t->n_changed;
 }
 
 /* Finds the pairs that overlap, and the events. Returns 0 without memory, and
@@ -362,8 +356,12 @@ int msap_grid_jump(struct grid *g, struct job *job)
     enum { COMMITS = 16 };
     struct jump j = {.grid = g, .job = job};
     struct rows *r = &g->rows;
-    if (job->boxes->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
-        return UNSUITED;              /* GCOVR_EXCL_LINE: the same */
+    if (g->is_jumping && are_only_removed(job->boxes)) {
+        msap_touch_known_pairs(job);
+        return 1;
+    }
+    if (job->boxes->used > ROW_NEW) /* GCOVR_EXCL_BR_LINE: 2^28 boxes, and a slot has no bits to spare */
+        return UNSUITED;            /* GCOVR_EXCL_LINE: the same */
     if (msap_is_outgrown(r->chosen_for, job->boxes->live) || g->commit - r->chosen_at > COMMITS) {
         choose_rows(r, job->boxes);
         r->chosen_at = g->commit;
@@ -371,17 +369,18 @@ int msap_grid_jump(struct grid *g, struct job *job)
     if (!place_arrays(&j)) return 0;
     msap_phase_run(job->crew, job->memory, count_rows, &j, job->boxes->used, WEIGHT_ROWS); /* it finds nothing */
     size_t entries = add_up(&j);
-    g->wide = j.n_wide;
+    g->n_wide = j.n_wide;
     if (j.n_wide > MOST_WIDE) return UNSUITED;
-    if (!g->is_jumping) msap_grid_empty(g, job->memory);
+    memcpy(g->wide, j.wide, j.n_wide * sizeof *g->wide);
+    if (g->is_tracking) msap_grid_empty(g, job->memory);
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     if (!msap_row_set_make(&g->row_set, job->memory, entries)) return 0;
-    msap_share_sort_values(job, j.order, j.n, j.order + job->boxes->used, r->low, r->extent);
     j.set = g->row_set;
+    msap_share_sort_values(job, j.order, j.n, (uint64_t *)(void *)j.set.words, r->low, r->extent);
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
-    list_rows(&j, (uint32_t)entries);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
+    list_rows(&j, (uint32_t)entries);
     job->worker->pairs.n = 0;
     msap_phase_run(job->crew, job->memory, fill_rows, &j, entries, WEIGHT_FILL); /* it finds nothing */
     if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, entries, WEIGHT_ROW_BOX) ||

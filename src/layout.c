@@ -186,19 +186,19 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes)
     return chosen_for == 0 || boxes > chosen_for * 2 || boxes * 4 < chosen_for;
 }
 
-/* Chooses the current layout, which holds no boxes, anew. Returns 0 without memory. */
-int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes)
+/* Chooses the current layout, which holds no boxes, anew for n of the boxes. Returns 0 without memory. */
+int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table *boxes, size_t n)
 {
     struct layout *l = &g->layout[g->current];
     struct spread s[3];
     uint32_t count[3];
     msap_spread_of(boxes, s);
     if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(l, g->config, count);
-    else lay_out_for_boxes(l, g->config, s, boxes->live, count);
+    else lay_out_for_boxes(l, g->config, s, n, count);
     l->chosen_for = l->n_cells = l->boxes = 0;
     if (!make_levels(l, m, count)) return 0;
     for (uint32_t k = 0; k < 3; k++) choose_steps(l, &s[k], k, count[k] > 1);
-    l->chosen_for = boxes->live + 1;
+    l->chosen_for = n + 1;
     l->chosen_at = g->commit;
     return 1;
 }
@@ -219,6 +219,13 @@ void msap_layout_free(struct layout *l, struct memory *m)
 
 /* -------------------------------------------------------------- adapting */
 
+/* For how many boxes cells are to be good: all, or as many as have left the rows and more. */
+static size_t boxes_to_hold(const struct grid *g, const struct box_table *boxes)
+{
+    const struct layout *l = &g->layout[g->current];
+    return g->is_resting ? larger_of(l->boxes, l->chosen_for) : boxes->live;
+}
+
 /* Whether the boxes would be laid out otherwise now, by more than chance: cells four
  * times as wide or as narrow on some axis. */
 static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
@@ -228,10 +235,10 @@ static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
     const struct layout *then = &g->layout[g->current];
     struct spread s[3];
     uint32_t count[3];
-    if (msap_is_outgrown(then->chosen_for, boxes->live)) return 1;
+    if (msap_is_outgrown(then->chosen_for, boxes_to_hold(g, boxes))) return 1;
     if ((g->commit - then->chosen_at) % COMMITS != COMMITS - 1) return 0;
     msap_spread_of(boxes, s);
-    lay_out_for_boxes(&now, g->config, s, boxes->live, count);
+    lay_out_for_boxes(&now, g->config, s, boxes_to_hold(g, boxes), count);
     for (int k = 0; k < 3; k++)
         if (now.scale[k] > 3 * then->scale[k] || then->scale[k] > 3 * now.scale[k]) return 1;
     return 0;
@@ -264,6 +271,7 @@ int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *
     struct layout *other = &g->layout[1 - g->current];
     if (other->boxes > 0) return move_over(g, m, boxes);
     if (g->config->grid == MSAP_GRID_FIXED || !is_unsuitable(g, boxes)) return 1;
+    size_t n = boxes_to_hold(g, boxes);
     g->current = 1 - g->current;
-    return msap_layout_choose(g, m, boxes);
+    return msap_layout_choose(g, m, boxes, n);
 }

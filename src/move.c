@@ -84,6 +84,7 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
         spot_of(&g->layout[g->current], &b->fat, spot);
         return msap_grid_move(g, job->memory, slot, is_static(b), from, spot);
     }
+    if (rests(g, b) && !msap_rest_part(g, job, slot)) return 0;
     msap_skin_first(g, slot);
     spot_of(&g->layout[g->current], &b->fat, spot);
     b->layout = (uint8_t)g->current;
@@ -177,12 +178,13 @@ static int renew_list(struct grid *g, const struct job *job, const struct region
     return 1;
 }
 
-/* Whether two boxes are neighbours by their fat bounds. */
+/* Whether two boxes are neighbours. */
 int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 {
     const struct grid *g = grid;
-    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
-    return q->level != NO_LEVEL && overlap(&p->fat, &q->fat);
+    const struct box *q = &g->boxes->at[b];
+    int is_in = q->level != NO_LEVEL || (rests(g, q) && q->flags & BOX_LIVE);
+    return is_in && overlap(bounds_in_grid(g, a), bounds_in_grid(g, b));
 }
 
 /* ------------------------------------------------------------------ the whole */

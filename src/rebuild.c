@@ -411,11 +411,11 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     struct layout *l = &g->layout[g->current];
     struct rebuild r = {.grid = g, .layout = l, .job = job};
     msap_grid_empty_cells(g, job->memory);
-    g->is_tracking = g->is_jumping = 0;
+    g->is_tracking = g->is_jumping = g->is_resting = 0;
     g->gain = 0;
     g->moves = t->live;
     msap_layout_free(&g->layout[1 - g->current], job->memory);
-    if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t)) return 0;
+    if (is_stale(l, g->commit, t->live) && !msap_layout_choose(g, job->memory, t, t->live)) return 0;
     g->is_empty = 0;
     g->is_tracking = make_grid(&r) && find_neighbours(&r);
     if (g->is_tracking) msap_touch_known_pairs(job);

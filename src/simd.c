@@ -319,6 +319,38 @@ static int use_avx2(uint32_t simd)
 }
 #endif
 
+/* -------------------------------------------------------------- asking rows */
+
+/* Finds, among the ENTRIES_ASKED entries of a row from `first` on that are before `end`, the row's, those that
+ * have the marks and of which the bounds overlap. Gives their slots; returns how many they are. */
+size_t msap_ask_entries(const struct row_set *s, const struct row_question *q, uint32_t first, uint32_t end,
+                        uint32_t *out)
+{
+    size_t n = 0;
+#if defined(HAS_FOUR)
+    const four lacks = four_of((int32_t)q->lacks);
+    for (uint32_t i = first; i < end && i < first + ENTRIES_ASKED; i += 4) {
+        four_mask apart = either(above(four_at(s->min[0] + i), four_of(q->max[0])),
+                                 above(four_of(q->min[0]), four_at(s->max[0] + i)));
+        for (int k = 1; k < 3; k++)
+            apart = either(apart, either(above(four_at(s->min[k] + i), four_of(q->max[k])),
+                                         above(four_of(q->min[k]), four_at(s->max[k] + i))));
+        four id = four_at((const int32_t *)(const void *)(s->id + i));
+        uint32_t found = bits_of(same(both(id, lacks), lacks)) & ~bits_of(apart);
+        if (end - i < 4) found &= (1u << (end - i)) - 1;
+        for (; found; found &= found - 1) out[n++] = row_slot(s->id[i + (uint32_t)__builtin_ctz(found)]);
+    }
+#else
+    for (uint32_t i = first; i < end && i < first + ENTRIES_ASKED; i++) {
+        int apart = 0;
+        for (int k = 0; k < 3; k++) apart |= (s->min[k][i] > q->max[k]) | (s->max[k][i] < q->min[k]);
+        out[n] = row_slot(s->id[i]);
+        n += !apart & ((s->id[i] & q->lacks) == q->lacks);
+    }
+#endif
+    return n;
+}
+
 /* The best sweep that the machine has, not above `simd`. */
 sweep_fn msap_sweep_for(uint32_t simd)
 {

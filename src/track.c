@@ -54,35 +54,44 @@ static void mark_baggy(const struct grid *g, struct box_table *t)
 
 /* Whether a box that left is to be put elsewhere: not one that came and went between two
  * commits. */
-static int is_misplaced(const struct box *b) { return b->flags & BOX_LIVE || b->level != NO_LEVEL; }
+static int is_misplaced(const struct grid *g, const struct box *b)
+{
+    return b->flags & BOX_LIVE || b->level != NO_LEVEL || rests(g, b);
+}
 
 /* Puts the misplaced ones of those that left first. Returns how many they are. */
 static size_t misplaced_first(const struct grid *g, struct box_table *t)
 {
     size_t n = 0;
+    if (g->is_resting) msap_rest_mark(g, t);
     mark_baggy(g, t);
     for (size_t i = 0; i < t->n_left; i++) {
         uint32_t slot = t->left[i];
         prefetch(&g->near.of[slot]);
-        if (!is_misplaced(&t->at[slot])) continue;
+        if (!is_misplaced(g, &t->at[slot])) continue;
         t->left[i] = t->left[n];
         t->left[n++] = slot;
     }
     return n;
 }
 
-/* A box leaves the grid. */
-static void leave(struct grid *g, const struct job *job, uint32_t slot)
+/* A box leaves the grid. Returns 0 without memory. */
+static int leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
     struct box *b = &job->boxes->at[slot];
-    msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
-    box_forget_place(b);
+    if (!rests(g, b)) {
+        msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
+        box_forget_place(b);
+    } else if (!msap_rest_part(g, job, slot)) {
+        return 0;
+    }
     for (uint32_t i = 0; i < l->n; i++) {
         settle(&job->worker->settler, slot, near_slot(l->at[i]));
         msap_near_remove(&g->near, near_slot(l->at[i]), slot);
     }
     msap_near_drop(&g->near, job->memory, slot);
+    return 1;
 }
 
 /* Of the first n boxes that left, puts those that were removed first. Returns how many they
@@ -120,8 +129,8 @@ static void leave_lists(struct grid *g, const struct job *job)
 
 /* The first `gone` boxes that left, which were removed, leave the grid together: all lists
  * and cells are gone through once, in order, instead of being searched for each box. It
- * needs no memory. */
-static void leave_together(struct grid *g, const struct job *job, size_t gone)
+ * needs no memory but for boxes that rest. Returns 0 without it. */
+static int leave_together(struct grid *g, const struct job *job, size_t gone)
 {
     struct worker *w = job->worker;
     msap_worker_new_token(w);
@@ -129,6 +138,10 @@ static void leave_together(struct grid *g, const struct job *job, size_t gone)
         struct box *b = &job->boxes->at[job->boxes->left[i]];
         struct layout *l = &g->layout[b->layout];
         w->tag[job->boxes->left[i]] = w->token;
+        if (rests(g, b)) {
+            if (!msap_rest_part(g, job, job->boxes->left[i])) return 0;
+            continue;
+        }
         l->level[b->level].boxes--;
         l->boxes--;
         box_forget_place(b);
@@ -137,13 +150,16 @@ static void leave_together(struct grid *g, const struct job *job, size_t gone)
     for (int i = 0; i < 2; i++)
         for (size_t c = 0; c < g->layout[i].n_cells; c++)
             msap_cell_sift(&g->layout[i].cell[c], &g->pool, job->memory, w->tag, w->token);
+    return 1;
 }
 
 /* The same one by one. */
-static void leave_each(struct grid *g, const struct job *job, size_t gone, int by_cell)
+static int leave_each(struct grid *g, const struct job *job, size_t gone, int by_cell)
 {
     if (by_cell) msap_order_by_cell(g, job, job->boxes->left, gone);
-    for (size_t i = 0; i < gone; i++) leave(g, job, job->boxes->left[i]);
+    for (size_t i = 0; i < gone; i++)
+        if (!leave(g, job, job->boxes->left[i])) return 0;
+    return 1;
 }
 
 /* Whether so many of the boxes leave that to go through all lists and cells should cost
@@ -154,15 +170,12 @@ static int is_exodus(const struct box_table *t, size_t gone)
     return gone > FEW && gone > t->used / SHARE;
 }
 
-/* Of the first n boxes that left, those that were removed leave the grid, and are put first.
- * Returns how many they are. */
-static size_t leave_first(struct grid *g, const struct job *job, size_t n, int by_cell)
+/* The first `gone` boxes that left, which were removed, leave the grid. Returns 0 without memory. */
+static int leave_all(struct grid *g, const struct job *job, size_t gone, int by_cell)
 {
-    size_t gone = removed_first(job->boxes, n);
-    if (is_exodus(job->boxes, gone)) leave_together(g, job, gone);
-    else leave_each(g, job, gone, by_cell);
+    int done = is_exodus(job->boxes, gone) ? leave_together(g, job, gone) : leave_each(g, job, gone, by_cell);
     msap_near_tidy(&g->near, msap_is_near, g);
-    return gone;
+    return done;
 }
 
 /* ------------------------------------------------------------ steps 2 to 4 */
@@ -200,10 +213,17 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
-    size_t gone = leave_first(g, job, misplaced, by_cell);
+    size_t gone = removed_first(job->boxes, misplaced);
+    if (!leave_all(g, job, gone, by_cell)) return 0;
     uint32_t *slot = job->boxes->left + gone;
     uint8_t *state = by_cell ? msap_share_moves(g, job, slot, misplaced - gone) : NULL;
     return move_all(g, job, slot, misplaced - gone, state) && msap_grid_touch(g, job);
+}
+
+/* After a jump: boxes rest from now on, but for n. Returns 0 without memory. */
+static int begin_resting(struct grid *g, struct job *job, size_t n)
+{
+    return msap_rest_begin(g, job, n) && move_all(g, job, g->wide, g->n_wide, NULL);
 }
 
 /* Which way is taken by a strategy, if the first `misplaced` of those that left must be put
@@ -223,6 +243,11 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
     if (way == JUMP_OR_TRACK || way == JUMP_OR_REBUILD) {
         int done = msap_grid_jump(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
+        if (g->is_resting) way = REBUILD; /* rows were counted anew */
+    }
+    if (way == REST) {
+        if (!begin_resting(g, job, job->boxes->n_changed)) return 0;
+        misplaced = misplaced_first(g, job->boxes);
     }
     if (way == REBUILD || way == JUMP_OR_REBUILD) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (strategy == MSAP_STRATEGY_AUTO)
@@ -237,4 +262,28 @@ uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy)
     uint32_t taken = update(g, job, strategy);
     if (!taken) msap_grid_empty(g, job->memory);
     return taken;
+}
+
+/* Puts boxes that rest and are not static on the list of those that left, which is empty. Returns how
+ * many they are. */
+static size_t list_not_static(const struct grid *g, struct box_table *t)
+{
+    size_t n = 0;
+    for (uint32_t slot = 0; slot < t->used; slot++) {
+        t->left[n] = slot;
+        n += rests(g, &t->at[slot]) && !is_static(&t->at[slot]);
+    }
+    return n;
+}
+
+/* After the commit that loaded a world of static boxes for the most part: they rest from now on, and the others, which
+ * are likely to move, are put into cells. Without memory that is left to later. */
+void msap_grid_loaded(struct grid *g, struct job *job)
+{
+    struct box_table *t = job->boxes;
+    if (!g->is_jumping) return;
+    int done = begin_resting(g, job, t->live - t->live_static);
+    size_t n = done ? list_not_static(g, t) : 0;
+    if (n > 0) msap_order_by_cell(g, job, t->left, n);
+    if (!done || !move_all(g, job, t->left, n, NULL)) msap_grid_empty(g, job->memory);
 }

@@ -29,20 +29,21 @@ static const char *queue_broken(const struct box_table *t, const struct slot_que
         if (slot >= t->used || n++ > t->used) return "a queue of slots is damaged";
         if ((t->at[slot].flags & (BOX_LIVE | BOX_REMOVED)) != flags) return "a slot is in the wrong queue";
     }
-    return NULL;
+    return n == q->n ? NULL : "a queue of slots has another length";
 }
 
 static const char *boxes_broken(const struct box_table *t)
 {
-    size_t live = 0, changed = 0, left = 0;
+    size_t live = 0, live_static = 0, changed = 0, left = 0;
     for (uint32_t slot = 0; slot < t->used; slot++) {
         const char *broken = box_broken(t, slot);
         if (broken) return broken;
         live += (t->at[slot].flags & BOX_LIVE) != 0;
+        live_static += (t->at[slot].flags & (BOX_LIVE | BOX_STATIC)) == (BOX_LIVE | BOX_STATIC);
         changed += (size_t)box_is_changed(t, slot);
         left += (t->at[slot].flags & BOX_LEFT) != 0;
     }
-    if (live != t->live) return "the number of live boxes is wrong";
+    if (live != t->live || live_static != t->live_static) return "the number of live boxes is wrong";
     if (changed != t->n_changed) return "the changed list has another length than there are changed boxes";
     if (left != t->n_left) return "the list of those that left has another length than there are such boxes";
     for (size_t i = 0; i < t->n_changed; i++)

@@ -404,6 +404,7 @@ const char *session_open(session *s, const msap_config *config, uint64_t seed, s
     s->random = seed;
     s->scene = scene;
     s->next_tag = 1;
+    s->statics = 4;
     msap_config_init(&own, sizeof own);
     if (config)
         own = *config;
@@ -474,6 +475,11 @@ const char *session_remove(session *s, msap_handle handle)
 
 #define BATCH 16
 
+static uint32_t random_flags(session *s)
+{
+    return random_below(&s->random, 16) < s->statics ? MSAP_STATIC : 0;
+}
+
 static const char *session_add_batch(session *s, uint32_t k)
 {
     box bounds[BATCH];
@@ -484,7 +490,7 @@ static const char *session_add_batch(session *s, uint32_t k)
     msap_status status;
     for (i = 0; i < k; i++) {
         bounds[i] = random_box(&s->random, s->scene);
-        flags[i] = random_below(&s->random, 4) ? 0 : MSAP_STATIC;
+        flags[i] = random_flags(s);
         data[i] = (void *)s->next_tag++;
     }
     boxes = boxes_in_row(bounds);
@@ -506,7 +512,7 @@ static const char *session_add_boxes(session *s, uint32_t k)
         if (batch == 1) {
             box bounds = random_box(&s->random, s->scene);
             msap_handle handle;
-            TRY(session_add(s, &bounds, random_below(&s->random, 4) ? 0 : MSAP_STATIC, &handle));
+            TRY(session_add(s, &bounds, random_flags(s), &handle));
         } else
             TRY(session_add_batch(s, batch));
         k -= batch;

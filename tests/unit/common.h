@@ -138,6 +138,7 @@ typedef struct session {
     size_t event_count, event_room;
     size_t failures;    /* of memory.failures, those that were answered by calling again */
     uintptr_t next_tag; /* user data of the next box */
+    uint32_t statics;   /* of sixteen random boxes so many are static; when it is opened, 4 */
     const char *wrong;  /* what a failed call changed */
 } session;
 

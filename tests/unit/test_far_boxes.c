@@ -179,18 +179,18 @@ static void fall(int row, int commits, int faster)
     ok(msap_destroy(world));
 }
 
-/* The default for long, the others for a tenth of it. */
+/* The default for long, the others for a fifth of it. */
 START_TEST(a_box_that_falls_for_200000_commits)
 {
     if (is_of_interest(_i))
-        fall(_i, _i == DEFAULT ? 200000 : 20000, 0);
+        fall(_i, _i == DEFAULT ? 200000 : 40000, 0);
 }
 END_TEST
 
 START_TEST(a_box_that_falls_faster_and_faster)
 {
     if (is_of_interest(_i))
-        fall(_i, _i == DEFAULT ? 40000 : 10000, 1);
+        fall(_i, 40000, 1);
 }
 END_TEST
 

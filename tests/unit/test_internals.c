@@ -95,6 +95,8 @@ BREAK(queue_is_a_ring, SET(BOX(FREED).now.min[0], FREED))
 BREAK(live_in_free, SET(w->boxes.free.head, LOW))
 BREAK(live_in_removed, SET(w->boxes.removed.head, LOW))
 BREAK(one_more_live, SET(w->boxes.live, w->boxes.live + 1))
+BREAK(one_more_static, SET(w->boxes.live_static, w->boxes.live_static + 1))
+BREAK(one_less_in_queue, SET(w->boxes.removed.n, w->boxes.removed.n - 1))
 BREAK(one_less_changed, SET(w->boxes.n_changed, w->boxes.n_changed - 1))
 BREAK(unchanged_in_changed, SET(w->boxes.changed[0], LOW))
 BREAK(nothing_in_changed, SET(w->boxes.changed[0], (uint32_t)w->boxes.used))
@@ -231,6 +233,8 @@ static const struct {
     {SINGLE_SAP, live_in_free, "a slot is in the wrong queue"},
     {SINGLE_SAP, live_in_removed, "a slot is in the wrong queue"},
     {SINGLE_SAP, one_more_live, "the number of live boxes is wrong"},
+    {SINGLE_SAP, one_more_static, "the number of live boxes is wrong"},
+    {SINGLE_SAP, one_less_in_queue, "a queue of slots has another length"},
     {SINGLE_SAP, one_less_changed, "the changed list has another length than there are changed boxes"},
     {SINGLE_SAP, unchanged_in_changed, "the changed list names a box that is not changed"},
     {SINGLE_SAP, nothing_in_changed, "the changed list names a box that is not changed"},
@@ -361,6 +365,7 @@ START_TEST(no_slot_is_left)
     msap_handle handle = 77;
     SET(world->boxes.used, MSAP_MAX_BOXES);
     SET(world->boxes.free.head, NONE);
+    SET(world->boxes.free.n, 0);
     SET(world->boxes.live, 3);
     refused(msap_add(world, unit.min, unit.max, 0, NULL, &handle), MSAP_ERROR_FULL);
     put_back();

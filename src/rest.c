@@ -1,0 +1,215 @@
+/* Resting: boxes stay in the rows in which all were pruned until they move.
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * After a jump (jump.c) the rows hold every box but the wide ones, sorted: that is a broad phase
+ * of its own for boxes that stay where they are. So when only few boxes move after a jump, no cells and lists
+ * are made for all. Each box goes over to the cells when it moves for the first time, and what it finds
+ * there and in the rows become its neighbours; then it is as any other (track.c). A level is loaded, and a
+ * world of static boxes costs, what one pruning does.
+ *
+ * A box of the last commit that is in no cell rests: the rows hold it as it was then. Two
+ * boxes that rest are not in each other's lists. A box that rests and moves finds the
+ * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
+ * any more is passed over.
+ *
+ * Rows are sorted by where boxes start. So that those can be found that reach a place, `reach` tells of each
+ * REACH boxes of a row where they and those before them in the row end at most, which only grows along
+ * a row. */
+#include "rows.h"
+
+enum { REACH = 16 };
+
+/* ------------------------------------------------------------------- reach */
+
+/* Where the reach of the first boxes of a row stands. */
+static size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
+
+/* Where a row starts. */
+static inline uint32_t start_of(const struct row_set *set, size_t row) { return row > 0 ? set->end[row - 1] : 0; }
+
+static void reach_in_row(const struct grid *g, size_t row)
+{
+    const struct row_set *set = &g->row_set;
+    uint32_t start = start_of(set, row);
+    int32_t *reach = g->reach + reach_of(row, start), most = INT32_MIN;
+    for (uint32_t i = start; i < set->end[row]; i++) {
+        most = set->max[0][i] > most ? set->max[0][i] : most;
+        reach[(i - start) / REACH] = most;
+    }
+}
+
+/* Returns 0 without memory. */
+static int note_reach(struct grid *g, struct memory *m)
+{
+    size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
+    if (!msap_memory_reserve(m, &g->reach, &g->room_reach, reach_of(rows, g->row_set.entries) + 1, 0,
+                             sizeof *g->reach))
+        return 0;
+    for (size_t row = 0; row < rows; row++) reach_in_row(g, row);
+    return 1;
+}
+
+/* The first box of a row, but for REACH, that may reach a value. */
+static uint32_t first_that_reaches(const struct grid *g, size_t row, int32_t value)
+{
+    uint32_t start = start_of(&g->row_set, row), low = 0, high = (g->row_set.end[row] - start + REACH - 1) / REACH;
+    const int32_t *reach = g->reach + reach_of(row, start);
+    while (low < high) {
+        uint32_t middle = (low + high) / 2;
+        if (reach[middle] < value) low = middle + 1;
+        else high = middle;
+    }
+    return start + low * REACH;
+}
+
+/* ------------------------------------------------------------------- asking */
+
+/* Drops, of the boxes found from the n-th on, those that do not rest or lack flags; returns how many are left. */
+static size_t keep_resting(const struct grid *g, const struct row_question *q, uint32_t *found, size_t n,
+                           size_t end)
+{
+    for (size_t i = n; i < end; i++) {
+        uint32_t slot = found[i];
+        found[n] = slot;
+        n += slot < g->boxes->used && rests(g, &g->boxes->at[slot]) &&
+             (g->boxes->at[slot].flags & q->flags) == q->flags;
+    }
+    return n;
+}
+
+/* Asks a row. Returns how many boxes are found then, or SIZE_MAX without room. */
+static size_t ask_row(const struct grid *g, struct worker *w, const struct row_question *q, size_t row, size_t n)
+{
+    const struct row_set *set = &g->row_set;
+    uint32_t i = first_that_reaches(g, row, q->min[0]), end = set->end[row];
+    while (i < end && set->min[0][i] <= q->max[0]) {
+        if (!msap_worker_room_to_find(w, n, ENTRIES_ASKED)) return SIZE_MAX;
+        n = keep_resting(g, q, w->found, n, n + msap_ask_entries(set, q, i, end, w->found + n));
+        i += ENTRIES_ASKED;
+    }
+    return n;
+}
+
+/* Writes behind the first n that the worker has found the boxes that rest, have all of the flags and overlapped
+ * `where` at the last commit; for a static box those that are not static. In most cases each is written
+ * once. Returns how many are found then, or SIZE_MAX without room. */
+size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
+                      uint32_t flags, size_t n)
+{
+    const struct rows *r = &g->rows;
+    struct row_span span = rows_of(r, where);
+    struct row_question q = {.flags = (uint16_t)flags};
+    for (int k = 0; k < 3; k++) {
+        q.min[k] = where->min[r->axis[k]];
+        q.max[k] = where->max[r->axis[k]];
+    }
+    for (uint32_t z = 0, line = span.row; z <= span.more[1]; z++, line = next_line(r, line))
+        for (uint32_t y = 0, row = line; y <= span.more[0] && n != SIZE_MAX; y++, row = next_row(r, row)) {
+            q.lacks = (y > 0 ? ROW_STARTS_1 : 0) | (z > 0 ? ROW_STARTS_2 : 0) | (is_static ? ROW_MOVES : 0);
+            n = ask_row(g, w, &q, row, n);
+        }
+    return n;
+}
+
+/* ------------------------------------------------------------ going elsewhere */
+
+/* Puts boxes that rest and changed on the list of those that left. */
+void msap_rest_mark(const struct grid *g, struct box_table *t)
+{
+    for (size_t i = 0; i < t->n_changed; i++)
+        if (rests(g, &t->at[t->changed[i]])) box_mark_left(t, t->changed[i]);
+}
+
+/* A box that rests is about to go elsewhere: settles what it was to others that rest. Returns 0 without
+ * memory. */
+int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot)
+{
+    struct worker *w = job->worker;
+    const struct box_table *t = job->boxes;
+    size_t n = msap_rest_find(g, w, box_before(t, slot), (t->at[slot].flags & BOX_STATIC) != 0, BOX_WAS, 0);
+    if (n == SIZE_MAX) return 0;
+    for (size_t i = 0; i < n; i++)
+        if (w->found[i] != slot) settle(&w->settler, slot, w->found[i]);
+    return 1;
+}
+
+/* Wide boxes are in no row: what they were to each other is settled, and those that are live stay in `wide`. */
+static void call_wide(struct grid *g, struct settler *s)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < g->n_wide; i++)
+        for (size_t k = 0; k < i; k++) settle(s, g->wide[i], g->wide[k]);
+    for (size_t i = 0; i < g->n_wide; i++) {
+        uint32_t flags = g->boxes->at[g->wide[i]].flags;
+        g->wide[n] = g->wide[i];
+        n += (flags & BOX_LIVE) && (flags & BOX_WAS);
+    }
+    g->n_wide = n;
+}
+
+/* After a jump: from now on cells and lists are kept, at first of n boxes and of those in `wide`, which are to be
+ * put into cells before all others. Returns 0 without memory. */
+int msap_rest_begin(struct grid *g, struct job *job, size_t n)
+{
+    g->is_jumping = 0;
+    g->is_tracking = g->is_resting = 1;
+    g->gain = 0;
+    msap_layout_free(&g->layout[1 - g->current], job->memory);
+    g->is_empty = 0;
+    call_wide(g, &job->worker->settler);
+    return note_reach(g, job->memory) && msap_layout_choose(g, job->memory, job->boxes, n + g->n_wide);
+}
+
+/* ------------------------------------------------------------------ checking */
+
+/* How many rows a box that rests touches. */
+static uint64_t rows_touched(const struct grid *g, uint32_t slot)
+{
+    struct row_span span = rows_of(&g->rows, box_before(g->boxes, slot));
+    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
+}
+
+/* Whether an entry of a box that rests has other bounds than the box. */
+static int is_entry_broken(const struct grid *g, uint32_t i)
+{
+    const struct row_set *set = &g->row_set;
+    const struct bounds *b = box_before(g->boxes, row_slot(set->id[i]));
+    for (int k = 0; k < 3; k++)
+        if (set->min[k][i] != b->min[g->rows.axis[k]] || set->max[k][i] != b->max[g->rows.axis[k]]) return 1;
+    return 0;
+}
+
+/* Adds the entries of a row of boxes that rest to *entries. */
+static const char *row_broken(const struct grid *g, size_t row, uint64_t *entries)
+{
+    const struct row_set *set = &g->row_set;
+    uint32_t start = start_of(set, row);
+    const int32_t *reach = g->reach + reach_of(row, start);
+    int32_t most = INT32_MIN;
+    for (uint32_t i = start; i < set->end[row]; i++) {
+        uint32_t slot = row_slot(set->id[i]);
+        most = set->max[0][i] > most ? set->max[0][i] : most;
+        if (((i - start) % REACH == REACH - 1 || i + 1 == set->end[row]) && reach[(i - start) / REACH] != most)
+            return "a row reaches elsewhere than is told";
+        if (slot >= g->boxes->used || !rests(g, &g->boxes->at[slot])) continue;
+        if (is_entry_broken(g, i)) return "a row has other bounds than the box that rests in it";
+        ++*entries;
+    }
+    return NULL;
+}
+
+/* The first broken invariant of the rows, or NULL. */
+const char *msap_rest_broken(const struct grid *g)
+{
+    uint64_t expected = 0, entries = 0;
+    size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
+    for (uint32_t slot = 0; slot < g->boxes->used; slot++)
+        if (rests(g, &g->boxes->at[slot])) expected += rows_touched(g, slot);
+    for (size_t row = 0; row < rows; row++) {
+        const char *broken = row_broken(g, row, &entries);
+        if (broken) return broken;
+    }
+    return entries == expected ? NULL : "a box that rests is not in all rows that it touches";
+}

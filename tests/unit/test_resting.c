@@ -1,0 +1,322 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: boxes that stay where they were pruned (rest.c) have all their pairs, whoever of them moves or
+ * goes, alone or with others; they go over to the cells when they move, and not before. It looks behind
+ * the interface to see which way was taken.
+ */
+#define box inner_box /* the tests have a struct of that name */
+#include "../../src/internal.h"
+#undef box
+#include "checks.h"
+
+enum { MOST = 600 };
+
+/* A session, the handles of its boxes and how many of these there are. */
+typedef struct loaded {
+    session s;
+    msap_handle handles[MOST];
+    box bounds[MOST];
+    uint32_t n;
+} loaded;
+
+static void open_level(loaded *l, int row, uint32_t dims, scene_kind scene)
+{
+    msap_config config = config_of(dims, row);
+    l->n = 0;
+    right(session_open(&l->s, &config, 7 + (uint64_t)row, scene));
+}
+
+static void put(loaded *l, box bounds, uint32_t flags)
+{
+    l->bounds[l->n] = bounds;
+    right(session_add(&l->s, &bounds, flags, &l->handles[l->n++]));
+}
+
+/* So many random boxes, of sixteen of which so many are static. */
+static void put_some(loaded *l, uint32_t n, uint32_t statics)
+{
+    for (uint32_t i = 0; i < n; i++)
+        put(l, random_box(&l->s.random, l->s.scene), random_below(&l->s.random, 16) < statics ? MSAP_STATIC : 0);
+}
+
+static void move(loaded *l, uint32_t i)
+{
+    l->bounds[i] = random_below(&l->s.random, 4) ? moved_box(&l->s.random, l->s.scene, &l->bounds[i])
+                                                 : random_box(&l->s.random, l->s.scene);
+    right(session_update(&l->s, l->handles[i], &l->bounds[i]));
+}
+
+static void take_away(loaded *l, uint32_t i)
+{
+    right(session_remove(&l->s, l->handles[i]));
+    l->handles[i] = l->handles[--l->n];
+    l->bounds[i] = l->bounds[l->n];
+}
+
+static void step(loaded *l)
+{
+    right(session_commit(&l->s));
+    right(session_compare(&l->s));
+}
+
+/* Whether the set-up chooses its ways itself, in a grid. */
+static int is_free(const loaded *l)
+{
+    const msap_config *c = &l->s.world->config;
+    return c->grid != MSAP_GRID_NONE && c->strategy == MSAP_STRATEGY_AUTO;
+}
+
+static uint32_t count_resting(const loaded *l)
+{
+    const struct grid *g = &l->s.world->grid;
+    uint32_t n = 0;
+    for (size_t slot = 0; slot < g->boxes->used; slot++) n += (uint32_t)rests(g, &g->boxes->at[slot]);
+    return n;
+}
+
+/* Static boxes rest from the start if most boxes are static, the others do not. A box that moves does not rest any
+ * more, and that is all that happens. */
+START_TEST(a_box_rests_until_it_moves)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_SPREAD);
+    put_some(&l, 380, 16);
+    put_some(&l, 20, 0);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 380);
+    for (uint32_t i = 0; i < 10; i++) {
+        move(&l, i);
+        move(&l, 390);
+        step(&l);
+        if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 379 - i);
+    }
+    take_away(&l, 100);
+    put_some(&l, 3, 16); /* what comes does not rest */
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 369);
+    right(session_close(&l.s));
+}
+END_TEST
+
+/* Where more are not static, they rest too, for as long as nothing moves; nothing is kept when
+ * boxes only go. */
+START_TEST(a_level_is_loaded_and_unloaded)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    put_some(&l, 500, 11);
+    step(&l);
+    for (uint32_t i = 0; i < 250; i++) take_away(&l, random_below(&l.s.random, l.n));
+    step(&l);
+    if (is_free(&l)) ck_assert(l.s.world->grid.is_jumping && count_resting(&l) == 0);
+    put_some(&l, 1, 16); /* into a slot that the rows still name */
+    move(&l, 3);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 249);
+    put_some(&l, 250, 11);
+    step(&l);
+    right(session_close(&l.s));
+}
+END_TEST
+
+/* All sorts of changes, at first of boxes that rest: of one or some or most in a commit. */
+static void change(loaded *l)
+{
+    uint32_t some = 1 + random_below(&l->s.random, random_below(&l->s.random, 8) ? 8 : l->n);
+    for (uint32_t i = 0; i < some; i++) {
+        uint32_t at = random_below(&l->s.random, l->n);
+        if (random_below(&l->s.random, 6) || l->n < 40) move(l, at);
+        else take_away(l, at);
+    }
+    if (l->n + 8 < MOST) put_some(l, random_below(&l->s.random, 8), 8);
+}
+
+START_TEST(all_pairs_of_boxes_that_rest)
+{
+    uint32_t rested = 0;
+    int chooses = 0;
+    for (uint32_t scene = 0; scene < SCENE_COUNT; scene++)
+        for (uint32_t statics = 9; statics <= 16; statics += 3) {
+            loaded l;
+            open_level(&l, _i, 2 + (scene + statics) % 2, (scene_kind)scene);
+            put_some(&l, 150, statics);
+            step(&l);
+            for (int frame = 0; frame < 12; frame++) {
+                change(&l);
+                step(&l);
+                rested += count_resting(&l);
+            }
+            chooses = is_free(&l);
+            right(session_close(&l.s));
+        }
+    ck_assert(!chooses || rested > 0);
+}
+END_TEST
+
+/* Boxes that touch many rows are in none: they are moved, and go, while others do and while none does. */
+START_TEST(wide_boxes_do_not_rest)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    for (int i = 0; i < 200; i++) {
+        float x = (float)(i % 15), y = (float)(i / 15);
+        put(&l, box_of(x, y, 0, x + 1, y + 1, 1), MSAP_STATIC);
+    }
+    for (int i = 0; i < 20; i++)
+        put(&l,
+            i % 2 ? box_of(-99, (float)i / 2, -99, 99, (float)i, 99) : box_of((float)i / 2, -99, -99, (float)i, 99, 99),
+            i % 3 ? 0 : MSAP_STATIC);
+    step(&l);
+    move(&l, 3);
+    right(session_update(&l.s, l.handles[201], &l.bounds[203])); /* wide, elsewhere */
+    right(session_update(&l.s, l.handles[204], &l.bounds[5])); /* not wide any more */
+    take_away(&l, 210);
+    take_away(&l, 211);
+    take_away(&l, 7);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), 190);
+    for (uint32_t i = 200; i < l.n; i++) right(session_update(&l.s, l.handles[i], &l.bounds[i - 190]));
+    step(&l);
+    right(session_close(&l.s));
+}
+END_TEST
+
+/* Two boxes that rested and were a pair: both part, both go, one goes and one moves, all in one commit. */
+START_TEST(two_that_rested_together)
+{
+    for (int how = 0; how < 9; how++) {
+        loaded l;
+        open_level(&l, _i, 3, SCENE_GRID);
+        box far_off = box_of(500, 500, 500, 501, 501, 501);
+        for (int i = 0; i < 300; i++) {
+            float x = (float)(2 * i);
+            put(&l, box_of(x, 0, 0, x + 1, 1, 1), i < 2 ? 0 : MSAP_STATIC);
+        }
+        l.bounds[1] = box_of(0.5f, 0.5f, 0.5f, 0.75f, 0.75f, 0.75f);
+        right(session_update(&l.s, l.handles[1], &l.bounds[1]));
+        for (int i = 0; i < 120; i++) put(&l, box_of((float)(2 * i), 8, 8, (float)(2 * i) + 1, 9, 9), 0);
+        step(&l);
+        if (is_free(&l)) ck_assert(l.s.world->grid.is_jumping);
+        move(&l, 100);
+        for (uint32_t i = 0, does = (uint32_t)how; i < 2; i++, does /= 3) {
+            if (does % 3 == 1) right(session_update(&l.s, l.handles[i], &far_off));
+            if (does % 3 == 2) right(session_remove(&l.s, l.handles[i]));
+        }
+        step(&l);
+        if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), 400);
+        right(session_close(&l.s));
+    }
+}
+END_TEST
+
+/* Many of those that rest go at once, with some that do not. */
+START_TEST(many_go)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    put_some(&l, 540, 16);
+    put_some(&l, 60, 0);
+    step(&l);
+    for (uint32_t i = 0; i < 30; i++) move(&l, i);
+    step(&l);
+    for (uint32_t i = 0; i < 120; i++) take_away(&l, 5 * i % l.n);
+    move(&l, 50);
+    step(&l);
+    right(session_close(&l.s));
+}
+END_TEST
+
+static void is_broken(const loaded *l, const char *sentence)
+{
+    const char *what = NULL;
+    refused(msap_validate(l->s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, sentence);
+}
+
+/* The validator sees what is wrong with rows. */
+START_TEST(broken_rows)
+{
+    loaded l;
+    open_level(&l, DEFAULT, 3, SCENE_SPREAD);
+    put_some(&l, 200, 16);
+    step(&l);
+    struct grid *g = &l.s.world->grid;
+    size_t last = (size_t)g->rows.count[0] * g->rows.count[1] - 1;
+    for (int k = 0; k < 3; k++) {
+        g->row_set.min[k][7]--;
+        is_broken(&l, "a row has other bounds than the box that rests in it");
+        g->row_set.min[k][7]++;
+        if (k == 0) continue;
+        g->row_set.max[k][7]--;
+        is_broken(&l, "a row has other bounds than the box that rests in it");
+        g->row_set.max[k][7]++;
+    }
+    g->row_set.end[last] = last > 0 ? g->row_set.end[last - 1] : 0;
+    is_broken(&l, "a box that rests is not in all rows that it touches");
+    g->row_set.end[last] = (uint32_t)g->row_set.entries;
+    g->reach[0]++;
+    is_broken(&l, "a row reaches elsewhere than is told");
+    g->reach[0]--;
+    right(session_compare(&l.s));
+    right(session_close(&l.s));
+}
+END_TEST
+
+/* Without memory for it, or for the move of a box that rests, the commit fails or not, and nothing is lost. */
+START_TEST(without_memory)
+{
+    size_t failures = 1;
+    for (size_t at = 1; failures > 0; at++) {
+        loaded l;
+        open_level(&l, _i, 3, SCENE_GRID);
+        put_some(&l, 230, 16);
+        put_some(&l, 20, 0);
+        l.s.memory.fail_at = l.s.memory.calls + at;
+        step(&l);
+        for (int frame = 0; frame < 3; frame++) {
+            for (uint32_t i = 0; i < 5; i++) move(&l, random_below(&l.s.random, l.n));
+            take_away(&l, random_below(&l.s.random, 200));
+            step(&l);
+        }
+        failures = l.s.memory.failures;
+        right(session_close(&l.s));
+    }
+}
+END_TEST
+
+/* The same with ever less memory from some point on. */
+START_TEST(with_ever_less_memory)
+{
+    size_t failures = 1;
+    for (size_t at = 1; failures > 0; at++) {
+        loaded l;
+        open_level(&l, _i, 3, SCENE_GRID);
+        put_some(&l, 300, 10);
+        step(&l);
+        l.s.memory.fail_from = l.s.memory.calls + at;
+        for (int frame = 0; frame < 3; frame++) {
+            for (uint32_t i = 0; i < 5; i++) move(&l, random_below(&l.s.random, l.n));
+            take_away(&l, random_below(&l.s.random, l.n));
+            step(&l);
+        }
+        failures = l.s.memory.failures;
+        right(session_close(&l.s));
+    }
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("resting");
+    tcase_add_loop_test(tests, a_box_rests_until_it_moves, 0, SETUPS);
+    tcase_add_loop_test(tests, a_level_is_loaded_and_unloaded, 0, SETUPS);
+    tcase_add_loop_test(tests, all_pairs_of_boxes_that_rest, 0, SETUPS);
+    tcase_add_loop_test(tests, wide_boxes_do_not_rest, 0, SETUPS);
+    tcase_add_loop_test(tests, two_that_rested_together, 0, SETUPS);
+    tcase_add_loop_test(tests, many_go, 0, SETUPS);
+    tcase_add_test(tests, broken_rows);
+    tcase_add_loop_test(tests, without_memory, 0, SETUPS);
+    tcase_add_loop_test(tests, with_ever_less_memory, 0, SETUPS);
+    return run_case(tests, "resting");
+}
