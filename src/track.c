@@ -127,6 +127,15 @@ static void leave_lists(struct grid *g, const struct job *job)
     }
 }
 
+/* A box that is in cells is to be taken out of them. */
+static void forget_cells(struct grid *g, struct box *b)
+{
+    struct layout *l = &g->layout[b->layout];
+    l->level[b->level].boxes--;
+    l->boxes--;
+    box_forget_place(b);
+}
+
 /* The first `gone` boxes that left, which were removed, leave the grid together: all lists
  * and cells are gone through once, in order, instead of being searched for each box. It
  * needs no memory but for boxes that rest. Returns 0 without it. */
@@ -135,16 +144,10 @@ static int leave_together(struct grid *g, const struct job *job, size_t gone)
     struct worker *w = job->worker;
     msap_worker_new_token(w);
     for (size_t i = 0; i < gone; i++) {
-        struct box *b = &job->boxes->at[job->boxes->left[i]];
-        struct layout *l = &g->layout[b->layout];
-        w->tag[job->boxes->left[i]] = w->token;
-        if (rests(g, b)) {
-            if (!msap_rest_part(g, job, job->boxes->left[i])) return 0;
-            continue;
-        }
-        l->level[b->level].boxes--;
-        l->boxes--;
-        box_forget_place(b);
+        uint32_t slot = job->boxes->left[i];
+        w->tag[slot] = w->token;
+        if (!rests(g, &job->boxes->at[slot])) forget_cells(g, &job->boxes->at[slot]);
+        else if (!msap_rest_part(g, job, slot)) return 0;
     }
     leave_lists(g, job);
     for (int i = 0; i < 2; i++)
