@@ -48,10 +48,9 @@ struct costs {
  * they outgrow one cache after the other. To prune all is to read them in order, which is less so. */
 static int64_t dearness(size_t boxes)
 {
-    enum { MANY = 65536 };
     int64_t more = 0;
-    for (; boxes > 2 * MANY; boxes /= 2) more += ONE / 2;
-    if (boxes > MANY) more += (int64_t)(boxes - MANY) * (ONE / 2) / MANY;
+    for (; boxes > 2 * MANY_BOXES; boxes /= 2) more += ONE / 2;
+    if (boxes > MANY_BOXES) more += (int64_t)(boxes - MANY_BOXES) * (ONE / 2) / MANY_BOXES;
     return ONE + more;
 }
 

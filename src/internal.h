@@ -150,6 +150,9 @@ struct box {
     uint8_t layout;  /* of which its level is */
 };
 
+/* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */
+enum { MANY_BOXES = 65536 };
+
 /* The slot behind this one in the queue of removed or of free slots, or NONE. */
 static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.min[0]; }
 

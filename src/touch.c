@@ -29,6 +29,7 @@ static void settle_above(struct settler *s, const struct above *p, size_t n)
 {
     const struct box *boxes = s->boxes->at;
     s->touched += n;
+    for (size_t i = 0; i < n && s->boxes->used > MANY_BOXES; i++) prefetch(&boxes[near_slot(p->pair.b[i])]);
     for (size_t i = 0; i < n; i++) {
         uint32_t a = p->pair.a[i], entry = p->pair.b[i], b = near_slot(entry);
         int is = overlap(&boxes[a].now, &boxes[b].now);
