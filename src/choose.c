@@ -1,5 +1,6 @@
 /* Choosing how a Multi-SAP's commit goes: boxes put elsewhere one by one (track.c), all
- * cells and lists made anew (rebuild.c), or all boxes pruned and nothing kept (jump.c).
+ * cells and lists made anew (rebuild.c), or all boxes pruned and nothing kept (jump.c) but
+ * the rows, in which they rest if few of them move then (rest.c).
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
@@ -20,7 +21,12 @@
  *
  * When so many boxes leave their places in one commit that it is cheaper to make all anew,
  * that is done if cells and lists have paid since they were made and will, or else all is
- * pruned. */
+ * pruned.
+ *
+ * Boxes that are not static will move, and it is better that they have cells and neighbours
+ * by then; but to make these for all boxes would be in vain where most are static. So a world of
+ * static boxes for the most part is pruned when it is loaded, and so is all of it when many more
+ * come while boxes rest; those that are not static, if they are few, leave the rows at once. */
 #include "internal.h"
 
 enum {
@@ -105,6 +111,17 @@ static void learn_doubt(struct grid *g, int64_t moves)
     g->doubt = doubt < 0 ? 0 : doubt > MOST_DOUBT ? MOST_DOUBT : (uint32_t)doubt;
 }
 
+/* ------------------------------------------------------------------ resting */
+
+static int is_mostly_static(const struct box_table *t) { return 2 * t->live_static >= t->live; }
+
+static enum way prune_and_rest(struct grid *g, const struct box_table *t)
+{
+    enum { FEW = 8 };
+    g->will_rest = FEW * (t->live - t->live_static) <= t->live;
+    return JUMP_OR_REBUILD;
+}
+
 /* -------------------------------------------------------------------- choosing */
 
 /* While nothing is kept. */
@@ -126,21 +143,10 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
     if (!is_upheaval && g->gain > -c->rebuild / 2) return TRACK;
     g->gain = 0;
+    if (is_upheaval && g->is_resting) return prune_and_rest(g, job->boxes);
     if (is_upheaval) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP_OR_REBUILD;
     learn_doubt(g, early);
     return foreseen_cost(g, job) < c->jump ? TRACK : JUMP_OR_TRACK;
-}
-
-/* The first commit of a world. Boxes that are not static will move, and it is better that they have cells and
- * neighbours by then; but to make these for all boxes would be in vain where most are static. There they stay in the
- * rows in which all are pruned, and the others, if they are few, leave them at once. */
-static enum way choose_first(struct grid *g, const struct box_table *t)
-{
-    enum { MOST = 2, FEW = 8 };
-    size_t others = t->live - t->live_static;
-    if (MOST * others > t->live) return REBUILD;
-    g->will_rest = FEW * others <= t->live;
-    return JUMP_OR_REBUILD;
 }
 
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
@@ -150,7 +156,7 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     const struct box_table *t = job->boxes;
     int64_t leaving = 0, early = 0;
     struct costs c = costs_of(g, job);
-    if (!g->is_tracking && !g->is_jumping) return choose_first(g, t);
+    if (!g->is_tracking && !g->is_jumping) return is_mostly_static(t) ? prune_and_rest(g, t) : REBUILD;
     if (!g->is_tracking) return choose_untracked(g, job, &c);
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];

@@ -159,7 +159,7 @@ static size_t add_up(struct jump *j)
     for (uint32_t i = 0; i <= MOST_WORKERS; i++) {
         const struct counted *c = &j->by[i];
         if (!c->end) continue;
-        memmove(j->order + j->n, j->order + c->first, c->n * sizeof *j->order);
+        if (c->first > j->n) memmove(j->order + j->n, j->order + c->first, c->n * sizeof *j->order);
         memmove(j->wide + j->n_wide, j->wide + c->first, c->n_wide * sizeof *j->wide);
         j->n += c->n;
         j->n_wide += c->n_wide;
@@ -341,6 +341,17 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
+/* Steps 3 and 4. Two static boxes are no pair: where there are no others, nothing is to be found. Returns 0 without
+ * memory. */
+static int find_pairs(struct jump *j, size_t entries)
+{
+    struct job *job = j->job;
+    job->worker->pairs.n = 0;
+    if (job->boxes->live == job->boxes->live_static) return 1;
+    return msap_phase_run(job->crew, job->memory, sweep_rows, j, entries, WEIGHT_ROW_BOX) &&
+           msap_phase_run(job->crew, job->memory, test_wide, j, j->n_wide, j->n * WEIGHT_TOUCH);
+}
+
 /* Whether boxes were only removed: then no pair is new, and the rows hold all others. */
 static int are_only_removed(const struct box_table *t)
 {
@@ -381,11 +392,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
     start_rows(&j, (size_t)r->count[0] * r->count[1]);
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
     list_rows(&j, (uint32_t)entries);
-    job->worker->pairs.n = 0;
     msap_phase_run(job->crew, job->memory, fill_rows, &j, entries, WEIGHT_FILL); /* it finds nothing */
-    if (!msap_phase_run(job->crew, job->memory, sweep_rows, &j, entries, WEIGHT_ROW_BOX) ||
-        !msap_phase_run(job->crew, job->memory, test_wide, &j, j.n_wide, j.n * WEIGHT_TOUCH))
-        return 0;
+    if (!find_pairs(&j, entries)) return 0;
     if (j.is_comparing) return msap_compare(g, job);
     msap_touch_known_pairs(job);
     return 1;

@@ -154,6 +154,30 @@ START_TEST(all_pairs_of_boxes_that_rest)
 }
 END_TEST
 
+/* When many boxes come, or go, all that are static rest anew; who does not, does not. */
+START_TEST(more_is_loaded)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_SPREAD);
+    put_some(&l, 180, 16);
+    put_some(&l, 20, 0);
+    step(&l);
+    for (uint32_t i = 0; i < 10; i++) move(&l, i);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 170);
+    put_some(&l, 380, 16);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 560);
+    for (uint32_t i = 0; i < 10; i++) move(&l, 180 + i);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 560);
+    while (l.n > 100) take_away(&l, 99);
+    step(&l);
+    if (is_free(&l)) ck_assert_uint_ge(count_resting(&l), 80);
+    right(session_close(&l.s));
+}
+END_TEST
+
 /* Boxes that touch many rows are in none: they are moved, and go, while others do and while none does. */
 START_TEST(wide_boxes_do_not_rest)
 {
@@ -312,6 +336,7 @@ int main(void)
     tcase_add_loop_test(tests, a_box_rests_until_it_moves, 0, SETUPS);
     tcase_add_loop_test(tests, a_level_is_loaded_and_unloaded, 0, SETUPS);
     tcase_add_loop_test(tests, all_pairs_of_boxes_that_rest, 0, SETUPS);
+    tcase_add_loop_test(tests, more_is_loaded, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_do_not_rest, 0, SETUPS);
     tcase_add_loop_test(tests, two_that_rested_together, 0, SETUPS);
     tcase_add_loop_test(tests, many_go, 0, SETUPS);
