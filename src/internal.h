@@ -648,7 +648,6 @@ sweep_fn msap_sweep_for(uint32_t simd);
 
 enum { CELL_LIMIT = INT32_MAX / 2 + 1 }; /* no cell of a box is below its negative */
 
-enum { MOST_WIDE = 64 }; /* boxes that are in no row */
 enum { LEVELS = 6, LEVEL_SHIFT = 2, TOP = LEVELS - 1, MOST_CELLS = 8 };
 /* Cells of an axis-aligned block of the grid, low and high included. The fourth of each means nothing. */
 struct range {
@@ -696,6 +695,8 @@ struct layout {
     size_t chosen_for;  /* boxes in the world when it was chosen, and one; 0: there is no layout */
     uint32_t chosen_at; /* the commit in which it was */
 };
+
+enum { MOST_WIDE = 64 }; /* boxes that touch too many rows to be in any */
 
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
@@ -776,11 +777,10 @@ struct grid {
                         while nothing is kept, would have since */
     uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
     struct rows rows;
-    struct row_set
-        row_set; /* while is_jumping or is_resting: all boxes that were pruned last, as they were then */
+    struct row_set row_set;   /* of all boxes that were pruned last, as they were then, */
     uint32_t wide[MOST_WIDE]; /* but for these */
     size_t n_wide;
-    int32_t *reach; /* while is_resting: see rest.c */
+    int32_t *reach; /* while is_resting: where boxes of the rows end (rest.c) */
     size_t room_reach;
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
@@ -788,7 +788,8 @@ struct grid {
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
 
-/* Whether a box rests in the rows; one that was removed does until the commit is over. */
+/* Whether a box rests: it is in no cell, and the rows hold it as it was at the last commit. One that was removed
+ * does until the commit is over. */
 static inline int rests(const struct grid *g, const struct box *b)
 {
     return g->is_resting && b->level == NO_LEVEL && (b->flags & BOX_WAS);

@@ -341,8 +341,8 @@ static int place_arrays(struct jump *j)
     return 1;
 }
 
-/* Steps 3 and 4. Two static boxes are no pair: where there are no others, nothing is to be found. Returns 0 without
- * memory. */
+/* Steps 3 and 4. Two static boxes are no pair: where there are no others, there is nothing to find. Returns 0
+ * without memory. */
 static int find_pairs(struct jump *j, size_t entries)
 {
     struct job *job = j->job;

@@ -22,6 +22,10 @@
  * the cells and however wide the skins are; a pair seen in several cells is one
  * pair, since a list holds it once (II.3b).
  *
+ * Boxes that rest (rest.c) are in no cell, but are found in step 3. One of them that changes
+ * or is removed settles first what it was to the others, which no list tells; then it
+ * is taken as one that is new.
+ *
  * Where there are many of them, steps 2 to 4 are shared by all workers (share.c), and step 5
  * is. Where too many boxes would have to be put elsewhere, one by one is not the way
  * (choose.c). */
@@ -279,8 +283,8 @@ static size_t list_not_static(const struct grid *g, struct box_table *t)
     return n;
 }
 
-/* After the commit that loaded a world of static boxes for the most part: they rest from now on, and the others, which
- * are likely to move, are put into cells. Without memory that is left to later. */
+/* After a commit that pruned all boxes, most of which are static: they rest from now on, and the others, which are
+ * likely to move, are put into cells. Without memory that is left to later. */
 void msap_grid_loaded(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;

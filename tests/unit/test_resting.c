@@ -189,7 +189,8 @@ START_TEST(wide_boxes_do_not_rest)
     }
     for (int i = 0; i < 20; i++)
         put(&l,
-            i % 2 ? box_of(-99, (float)i / 2, -99, 99, (float)i, 99) : box_of((float)i / 2, -99, -99, (float)i, 99, 99),
+            i % 2 ? box_of(-99, (float)i / 2, -99, 99, (float)i, 99)
+                  : box_of((float)i / 2, -99, -99, (float)i, 99, 99),
             i % 3 ? 0 : MSAP_STATIC);
     step(&l);
     move(&l, 3);
