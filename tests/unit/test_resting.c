@@ -253,13 +253,14 @@ START_TEST(giants_where_boxes_rest)
         put(&l, box_of(-99, -99, (float)i, 99, 99, (float)i + 1), 0);
         if (i % 10 == 9) step(&l);
     }
-    for (int frame = 0; frame < 40; frame++) {
-        for (uint32_t i = 0; i < 20; i++) {
+    put_some(&l, 40, 0);
+    for (int frame = 0; frame < 12; frame++) {
+        for (uint32_t i = 900; i < l.n; i++) {
             float z = (float)random_below(&l.s.random, 70);
-            box bounds = box_of(-99, -99, z, 99, 99, z + 1);
-            right(session_update(&l.s, l.handles[900 + random_below(&l.s.random, 70)], &bounds));
+            box bounds = i < 970 ? box_of(-99, -99, z, 99, 99, z + 1) : random_box(&l.s.random, SCENE_GRID);
+            right(session_update(&l.s, l.handles[i], &bounds));
         }
-        if (frame % 4 == 0) move(&l, random_below(&l.s.random, 900));
+        move(&l, random_below(&l.s.random, 900));
         step(&l);
     }
     right(session_close(&l.s));
