@@ -189,9 +189,9 @@ int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ the whole */
 
-/* Where there are many boxes, fetches n of them and, unless another worker may be changing their lists, their
- * neighbours. */
-static void fetch(const struct grid *g, const struct region *own, const uint32_t *slot, size_t n)
+/* Where there are many boxes, fetches n of them with their lists, which no other worker may be changing, and
+ * their neighbours. */
+static void fetch(const struct grid *g, const uint32_t *slot, size_t n)
 {
     const struct box_table *t = g->boxes;
     const struct near_list *of = g->near.of;
@@ -201,8 +201,8 @@ static void fetch(const struct grid *g, const struct region *own, const uint32_t
         prefetch(&t->past[slot[i]]);
         prefetch(&of[slot[i]]);
     }
-    for (size_t i = 0; i < n && !own; i++) prefetch(of[slot[i]].at);
-    for (size_t i = 0; i < n && !own; i++)
+    for (size_t i = 0; i < n; i++) prefetch(of[slot[i]].at);
+    for (size_t i = 0; i < n; i++)
         for (uint32_t k = 0; k < of[slot[i]].n; k++) prefetch(&t->at[near_slot(of[slot[i]].at[k])]);
 }
 
@@ -212,7 +212,7 @@ int msap_move_few(struct grid *g, const struct job *job, const struct region *ow
                   uint8_t *state, size_t n)
 {
     struct spot spot[MOVES_AT_ONCE];
-    fetch(g, own, slot, n);
+    if (!own) fetch(g, slot, n);
     for (size_t i = 0; i < n; i++) {
         if (state[i] != MOVE_WAITS) continue;
         if (own ? place_own(g, own, slot[i], &spot[i]) : place(g, job, slot[i], &spot[i])) state[i] = MOVE_PLACED;

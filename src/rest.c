@@ -73,8 +73,7 @@ static size_t keep_resting(const struct grid *g, const struct row_question *q, u
     for (size_t i = n; i < end; i++) {
         uint32_t slot = found[i];
         found[n] = slot;
-        n += slot < g->boxes->used && rests(g, &g->boxes->at[slot]) &&
-             (g->boxes->at[slot].flags & q->flags) == q->flags;
+        n += rests(g, &g->boxes->at[slot]) && (g->boxes->at[slot].flags & q->flags) == q->flags;
     }
     return n;
 }
@@ -142,9 +141,8 @@ static void call_wide(struct grid *g, struct settler *s)
     for (size_t i = 0; i < g->n_wide; i++)
         for (size_t k = 0; k < i; k++) settle(s, g->wide[i], g->wide[k]);
     for (size_t i = 0; i < g->n_wide; i++) {
-        uint32_t flags = g->boxes->at[g->wide[i]].flags;
         g->wide[n] = g->wide[i];
-        n += (flags & BOX_LIVE) && (flags & BOX_WAS);
+        n += (g->boxes->at[g->wide[i]].flags & BOX_LIVE) != 0;
     }
     g->n_wide = n;
 }
@@ -193,7 +191,7 @@ static const char *row_broken(const struct grid *g, size_t row, uint64_t *entrie
         most = set->max[0][i] > most ? set->max[0][i] : most;
         if (((i - start) % REACH == REACH - 1 || i + 1 == set->end[row]) && reach[(i - start) / REACH] != most)
             return "a row reaches elsewhere than is told";
-        if (slot >= g->boxes->used || !rests(g, &g->boxes->at[slot])) continue;
+        if (!rests(g, &g->boxes->at[slot])) continue;
         if (is_entry_broken(g, i)) return "a row has other bounds than the box that rests in it";
         ++*entries;
     }

@@ -398,6 +398,77 @@ START_TEST(with_ever_less_memory)
 }
 END_TEST
 
+/* The same while many that rest go at once, and while wide boxes are put into cells. */
+START_TEST(without_memory_for_many)
+{
+    size_t failures = 1;
+    for (size_t at = 1; failures > 0; at++) {
+        loaded l;
+        open_level(&l, _i, 2, SCENE_GRID);
+        put_some(&l, 400, 10);
+        step(&l);
+        move(&l, 0);
+        step(&l);
+        l.s.memory.fail_at = l.s.memory.calls + at;
+        for (uint32_t i = 0; i < 80; i++) take_away(&l, 4 * i % l.n);
+        step(&l);
+        failures = l.s.memory.failures;
+        right(session_close(&l.s));
+    }
+}
+END_TEST
+
+START_TEST(without_memory_for_wide_boxes)
+{
+    size_t failures = 1;
+    for (size_t at = 1; failures > 0; at++) {
+        loaded l;
+        open_level(&l, _i, 3, SCENE_GRID);
+        for (int i = 0; i < 900; i++) {
+            float x = (float)(i % 30), y = (float)(i / 30);
+            put(&l, box_of(x, y, 0, x + 1, y + 1, 1), i < 600 ? MSAP_STATIC : 0);
+        }
+        for (int i = 0; i < 4; i++) put(&l, box_of(-99, -99, (float)i, 99, 99, (float)i + 1), 0);
+        step(&l);
+        l.s.memory.fail_at = l.s.memory.calls + at;
+        move(&l, 7);
+        step(&l);
+        failures = l.s.memory.failures;
+        right(session_close(&l.s));
+    }
+}
+END_TEST
+
+/* So many boxes that they are fetched ahead: every other of the movers hits one that rests. */
+START_TEST(very_many_boxes)
+{
+    enum { SIDE = 260, BOXES = SIDE * SIDE, MOVERS = 40 };
+    static box bounds[BOXES];
+    static uint32_t flags[BOXES];
+    static msap_handle handles[BOXES];
+    msap_world *world = new_world(2, _i);
+    msap_boxes boxes = boxes_in_row(bounds);
+    const setup *s = &setups[_i];
+    for (int i = 0; i < BOXES; i++) {
+        float x = (float)(3 * (i % SIDE)), y = (float)(3 * (i / SIDE));
+        bounds[i] = box_of(x, y, 0, x + 1, y + 1, 0);
+        flags[i] = i < MOVERS ? 0 : MSAP_STATIC;
+    }
+    if (s->grid == MSAP_GRID_AUTO && s->strategy == MSAP_STRATEGY_AUTO) {
+        ok(msap_add_many(world, BOXES, &boxes, flags, NULL, handles));
+        commit(world, 0, 0, 0);
+        for (int frame = 0; frame < 6; frame++) {
+            for (int i = 0; i < MOVERS; i++) {
+                float x = (float)(3 * (5 * i + frame)), y = (float)(300 + 3 * frame) + (i % 2 ? 0.5f : 1.5f);
+                update(world, handles[i], box_of(x + 1.25f * (float)(i % 2 == 0), y, 0, x + 1.75f, y + 0.25f, 0));
+            }
+            commit(world, frame ? MOVERS / 2 : 0, MOVERS / 2, MOVERS / 2);
+        }
+    }
+    ok(msap_destroy(world));
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("resting");
@@ -413,5 +484,8 @@ int main(void)
     tcase_add_test(tests, broken_rows);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
     tcase_add_loop_test(tests, with_ever_less_memory, 0, SETUPS);
+    tcase_add_loop_test(tests, without_memory_for_many, 0, SETUPS);
+    tcase_add_loop_test(tests, without_memory_for_wide_boxes, 0, SETUPS);
+    tcase_add_loop_test(tests, very_many_boxes, 0, SETUPS);
     return run_case(tests, "resting");
 }
