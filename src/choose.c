@@ -115,6 +115,7 @@ static void learn_doubt(struct grid *g, int64_t moves)
 
 static int is_mostly_static(const struct box_table *t) { return 2 * t->live_static >= t->live; }
 
+/* All are pruned; those that are not static leave the rows at once if they are few (rest.c). */
 static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 {
     enum { FEW = 8 };
