@@ -72,7 +72,7 @@ static inline void units_of(const float scale[4], const int32_t *ordered, int32_
  * that vectors read do (bounds.h). */
 static inline struct range range_of(const struct layout *l, const struct bounds *b)
 {
-    struct range r;
+    struct range r = {{0}, {0}};
     units_of(l->scale, b->min, r.low);
     units_of(l->scale, b->max, r.high);
     return l->is_told ? msap_range_as_told(l, r) : r;
