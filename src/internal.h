@@ -725,7 +725,7 @@ struct row_set {
     uint32_t *id;   /* slots with marks */
     int32_t *words; /* all of them */
     uint32_t *end;  /* [rows] behind the last entry of each row */
-    size_t entries, room, room_end;
+    size_t room, room_end;
 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 

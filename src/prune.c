@@ -75,7 +75,6 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
 {
     if (entries > UINT32_MAX - ROW_SLACK) return 0;
-    set->entries = entries;
     if (!msap_memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words))
         return 0;
     for (size_t k = 0; k < 3; k++) {

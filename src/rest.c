@@ -6,8 +6,8 @@
  * After a jump (jump.c) the rows hold every box but the wide ones, sorted: that is a broad phase
  * of its own for boxes that stay where they are. So when only few boxes move after a jump, no cells and lists
  * are made for all. Each box goes over to the cells when it moves for the first time, and what it finds
- * there and in the rows become its neighbours; then it is as any other (track.c). A level is loaded, and a
- * world of static boxes costs, what one pruning does.
+ * there and in the rows become its neighbours; then it is as any other (track.c). To load a level costs what
+ * one pruning does.
  *
  * A box of the last commit that is in no cell rests: the rows hold it as it was then. Two
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
@@ -44,7 +44,7 @@ static void reach_in_row(const struct grid *g, size_t row)
 static int note_reach(struct grid *g, struct memory *m)
 {
     size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
-    if (!msap_memory_reserve(m, &g->reach, &g->room_reach, reach_of(rows, g->row_set.entries) + 1, 0,
+    if (!msap_memory_reserve(m, &g->reach, &g->room_reach, reach_of(rows, g->row_set.end[rows - 1]) + 1, 0,
                              sizeof *g->reach))
         return 0;
     for (size_t row = 0; row < rows; row++) reach_in_row(g, row);

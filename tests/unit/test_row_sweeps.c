@@ -92,7 +92,7 @@ static void compare_sweeps(const struct row_set *set, uint32_t first, uint32_t l
 START_TEST(every_sweep_gives_the_pairs_of_a_row)
 {
     uint64_t random = 11 + (uint64_t)_i;
-    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0, 0};
+    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0};
     struct memory m;
     ok(msap_memory_init(&m, NULL, NULL, NULL));
     for (uint32_t n = 1; n <= MOST_ENTRIES; n++) {
@@ -110,7 +110,7 @@ END_TEST
 START_TEST(bounds_may_be_any_numbers)
 {
     uint64_t random = 5;
-    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0, 0};
+    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0};
     struct memory m;
     ok(msap_memory_init(&m, NULL, NULL, NULL));
     for (int round = 0; round < 200; round++) {
