@@ -309,7 +309,7 @@ static void many_that_go(int row, uint32_t not_static)
     for (uint32_t i = 0; i < 10; i++) move(&l, i);
     step(&l);
     if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), MOST - 80);
-    for (uint32_t i = 0; i < 120; i++) take_away(&l, 5 * i % l.n);
+    for (uint32_t i = 0; i < 200; i++) take_away(&l, 5 * i % l.n);
     move(&l, 50);
     step(&l);
     right(session_close(&l.s));
