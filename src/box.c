@@ -126,6 +126,8 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     struct box *b = &t->at[slot];
     b->now = *bounds;
     box_forget_place(b);
+    b->horizon = HORIZON_FIRST;
+    b->wobble = 1;
     b->changed_in = 0;
     b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
     if (t->user_data) t->user_data[slot] = user_data;

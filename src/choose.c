@@ -37,7 +37,9 @@ enum {
     JUMP_BOX = 17,         /* a box when all are pruned, */
     JUMP_PAIR = 3,         /* and a pair */
     REBUILD_BOX = 43,      /* a box when all is made anew, */
-    REBUILD_NEIGHBOUR = 12 /* and a pair of neighbours */
+    REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
+    RENEW_BOX = 32,        /* a box when all get skins, */
+    RENEW_PAIR = 8         /* and a pair */
 };
 
 /* On recorded scenes neighbours are one and a half to five times as many as pairs, mostly twice. */
@@ -123,6 +125,101 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
     return JUMP_OR_REBUILD;
 }
 
+/* ----------------------------------------------------------------- renewals */
+
+enum { RENEWAL_STEPS = 5 }; /* a step after each commit */
+
+static int64_t cost_of_renewal(const struct job *job)
+{
+    int64_t tests = RENEW_BOX * (int64_t)job->boxes->live + RENEW_PAIR * (int64_t)job->pairs->active;
+    return tests * dearness(job->boxes->live) / ONE;
+}
+
+/* Whether skins may be renewed together. Few boxes are not worth it. */
+static int may_renew(const struct grid *g, const struct job *job)
+{
+    enum { FEW = 256 };
+    return job->boxes->live >= FEW && g->n_wide <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO &&
+           g->commit >= g->upkeep.not_before;
+}
+
+static int64_t cost_of_candidates(int64_t n) { return n * 3 / 2; }
+
+/* What a commit would cost if they were, over and over. */
+static int64_t foreseen_upkeep(const struct grid *g, const struct job *job)
+{
+    double moves = foreseen_moves(g) * (ONE + g->doubt) / ONE + 1, horizon = g->upkeep.horizon;
+    double lifetime = (double)job->boxes->n_changed / moves;
+    double commits = (lifetime < horizon ? lifetime : horizon) - RENEWAL_STEPS;
+    int64_t candidates = NEIGHBOURS_A_PAIR * (int64_t)job->pairs->active;
+    return cost_of_candidates(candidates) + (int64_t)((double)cost_of_renewal(job) / (commits < 1 ? 1 : commits));
+}
+
+/* All boxes get skins in this commit. */
+void msap_upkeep_begins(struct grid *g)
+{
+    g->upkeep.since = g->commit;
+    g->upkeep.made_for = g->upkeep.horizon;
+    g->upkeep.spent = 0;
+}
+
+/* To put boxes elsewhere costs so much in this commit, and so much for one. */
+static void account(struct upkeep *u, int64_t moves, int64_t move)
+{
+    u->move = move;
+    u->moves = moves;
+    u->spent += moves;
+}
+
+/* How many boxes would leave their skins within so many commits if they moved on as in the last one: estimated from
+ * some. */
+static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
+{
+    enum { SAMPLES = 64 };
+    size_t step = g->boxes->used / SAMPLES + 1, n = 0;
+    for (size_t slot = g->commit % step; slot < g->boxes->used; slot += step)
+        n += msap_skin_will_be_left(g, (uint32_t)slot, commits);
+    return n * step; /* each stands for so many */
+}
+
+/* After a commit that tracked boxes: whether to renew all skins. That is so when one more commit with the present
+ * ones would cost more than their upkeep has cost in each since they were made, renewal included; and
+ * when most boxes move but each still has cells of its own, if that has cost more than renewals would. */
+int msap_renewal_is_due(const struct grid *g, const struct job *job)
+{
+    enum { SELDOM = 16 };
+    const struct upkeep *u = &g->upkeep;
+    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job);
+    if (!may_renew(g, job) || g->quiet > 0) return 0;
+    if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - RENEWAL_STEPS) > renewal * age;
+    if (!g->in_skins) return 0;
+    int64_t next = u->move * (int64_t)foreseen_to_leave(g, RENEWAL_STEPS + 1) / RENEWAL_STEPS;
+    return u->is_first || (next > u->moves ? next : u->moves) * age > renewal + u->spent;
+}
+
+/* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
+void msap_renewal_failed(struct grid *g)
+{
+    enum { LEAST_WAIT = 32, MOST_WAIT = 4096 };
+    struct upkeep *u = &g->upkeep;
+    u->wait = u->wait == 0 ? LEAST_WAIT : u->wait < MOST_WAIT ? 2 * u->wait : MOST_WAIT;
+    u->not_before = g->commit + u->wait;
+}
+
+/* All boxes have got new skins. The longer these are made for, the more candidates are tested in vain: as many as
+ * a renewal costs is best. */
+void msap_renewal_was_made(struct grid *g, const struct job *job)
+{
+    enum { SHORT = 10 };
+    struct upkeep *u = &g->upkeep;
+    int64_t vain = (int64_t)g->candidates.n - (int64_t)job->pairs->active;
+    g->gain -= cost_of_renewal(job);
+    u->is_first = 0;
+    if (vain * (u->made_for - RENEWAL_STEPS) > cost_of_renewal(job)) u->horizon -= u->horizon / 4;
+    else u->horizon += u->horizon / 4;
+    u->horizon = u->horizon < SHORT ? SHORT : u->horizon > HORIZON_MOST ? HORIZON_MOST : u->horizon;
+}
+
 /* -------------------------------------------------------------------- choosing */
 
 /* While nothing is kept. */
@@ -130,9 +227,30 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
 {
     if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
     g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
-    g->gain += c->jump - foreseen_cost(g, job);
+    int64_t upkeep = may_renew(g, job) ? foreseen_upkeep(g, job) : foreseen_cost(g, job);
+    g->gain += c->jump - upkeep;
     if (g->gain < 0) g->gain = 0;
-    return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
+    if (!may_renew(g, job)) return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
+    int is_sure = upkeep < c->jump * 3 / 4 && g->doubt < ONE / 2;
+    g->upkeep.is_first = 0;
+    g->will_renew = is_sure || g->gain > cost_of_renewal(job);
+    return JUMP_OR_REBUILD;
+}
+
+/* While boxes rest in their skins. `early` are those that left one that was made for their motion. */
+static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c, int64_t early)
+{
+    int has_paid = g->gain > 0, is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
+    g->quiet = is_quiet ? g->quiet + 1 : 0;
+    int64_t renewal = cost_of_renewal(job);
+    g->gain += c->jump - c->track;
+    if (g->gain > 2 * renewal) g->gain = 2 * renewal;
+    if (c->track <= c->jump + renewal && g->gain > -renewal) return TRACK;
+    if (has_paid) g->upkeep.wait = 0;
+    else if (!g->upkeep.is_first) msap_renewal_failed(g);
+    if (!g->upkeep.is_first) learn_doubt(g, early);
+    g->gain = 0;
+    return JUMP_OR_REBUILD;
 }
 
 /* While cells and lists are kept. `early` are the boxes that left a skin made for their motion:
@@ -150,6 +268,13 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     return foreseen_cost(g, job) < c->jump ? TRACK : JUMP_OR_TRACK;
 }
 
+/* A world that is not mostly static is loaded. */
+static enum way load(struct grid *g, const struct job *job)
+{
+    g->will_renew = g->upkeep.is_first = may_renew(g, job);
+    return g->will_renew ? JUMP_OR_REBUILD : REBUILD;
+}
+
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
 {
@@ -157,13 +282,17 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     const struct box_table *t = job->boxes;
     int64_t leaving = 0, early = 0;
     struct costs c = costs_of(g, job);
-    if (!g->is_tracking && !g->is_jumping) return is_mostly_static(t) ? prune_and_rest(g, t) : REBUILD;
+    if (!g->is_tracking && !g->is_jumping) return is_mostly_static(t) ? prune_and_rest(g, t) : load(g, job);
     if (!g->is_tracking) return choose_untracked(g, job, &c);
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
-        early += b->level != NO_LEVEL && skin_age(b, g) < HORIZON_MOST;
+        early += (b->level != NO_LEVEL || g->in_skins) && skin_age(b, g) < HORIZON_MOST;
     }
     c.track = cost_of_tracking(job, (int64_t)misplaced - leaving, leaving);
-    return t->live <= FEW ? TRACK : choose_tracked(g, job, &c, early);
+    int64_t touches = cost_of_tracking(job, 0, 0), moves = c.track - touches;
+    if (g->in_skins) c.track = moves + cost_of_candidates((int64_t)g->candidates.n);
+    account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - touches);
+    if (t->live <= FEW) return TRACK;
+    return g->in_skins ? choose_in_skins(g, job, &c, early) : choose_tracked(g, job, &c, early);
 }

@@ -96,8 +96,9 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = w->grid.will_rest = 0;
-    if (w->boxes.n_changed > 0) {
+    w->grid.will_know_pairs = w->grid.will_rest = w->grid.will_renew = 0;
+    int has_changed = w->boxes.n_changed > 0;
+    if (has_changed) {
         msap_status status = find_events(w);
         if (status == MSAP_OK) status = reserve_events(w);
         if (status != MSAP_OK) {
@@ -108,9 +109,9 @@ static msap_status apply_changes(msap_world *w)
     if (is_grid(&w->config)) msap_grid_committed(&w->grid, s);
     msap_pairs_apply(&w->pairs, &w->boxes, &s->fresh, &s->doomed);
     msap_boxes_committed(&w->boxes);
-    if (w->grid.will_rest) {
+    if (has_changed && is_grid(&w->config)) {
         struct job job = job_of(w);
-        msap_grid_loaded(&w->grid, &job);
+        msap_grid_prepare(&w->grid, &job);
     }
     w->commits++;
     return MSAP_OK;

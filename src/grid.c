@@ -62,6 +62,7 @@ void msap_grid_init(struct grid *g, const msap_config *config, struct box_table 
     g->config = config;
     g->boxes = boxes;
     g->is_empty = 1;
+    g->upkeep.horizon = HORIZON_START;
     g->sweep = msap_sweep_for(config->simd);
     g->sweep_row = msap_sweep_row_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
@@ -87,6 +88,7 @@ void msap_grid_empty_cells(struct grid *g, struct memory *m)
     for (int i = 0; i < 2; i++) msap_layout_empty(&g->layout[i], &g->pool, m);
     msap_pool_empty(&g->pool);
     msap_near_empty(&g->near, m, g->slots);
+    g->candidates.n = 0;
     g->is_empty = 1;
 }
 
@@ -95,7 +97,9 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
-    g->is_tracking = g->is_jumping = g->is_resting = 0;
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
+    g->renewal.next = NO_RENEWAL;
+    g->quiet = 0;
 }
 
 /* Gives back all that boxes in slots below `slots` do not need; the next commit makes
@@ -111,6 +115,8 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     g->reach = NULL;
     g->room_reach = 0;
     msap_keys_free(&g->known, m);
+    msap_keys_free(&g->candidates, m);
+    msap_renewal_free(&g->renewal, m);
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
     g->slots = slots;

@@ -23,6 +23,7 @@ void msap_grid_count(const struct grid *g, msap_world_stats *stats)
     for (int i = 0; i < 2; i++) count_cells(&g->layout[i], stats);
     for (size_t slot = 0; slot < g->slots; slot++) neighbours += g->near.of[slot].n;
     stats->candidates = neighbours / 2;
+    for (size_t i = 0; i < g->candidates.n; i++) stats->candidates += !(g->candidates.at[i] & NEAR_GONE);
 }
 
 /* ------------------------------------------------------------------- cells */
@@ -150,7 +151,9 @@ static const char *lists_broken(const struct grid *g, const struct pair_table *p
         if (broken) return broken;
     }
     if (marks != 0) return "a box is a neighbour, but not the other way round";
-    for (size_t i = 0; i < pairs->active; i++) in_lists += both_rest(g, &pairs->at[i]);
+    for (size_t i = 0; i < pairs->active && !g->in_skins; i++) in_lists += both_rest(g, &pairs->at[i]);
+    for (size_t i = 0; i < g->candidates.n; i++)
+        in_lists += (g->candidates.at[i] & (NEAR_PAIR | NEAR_GONE)) == NEAR_PAIR;
     return in_lists == pairs->active ? NULL : "a pair are no neighbours";
 }
 

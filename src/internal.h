@@ -129,10 +129,14 @@ enum {
     BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
-    BOX_LEFT = 8      /* it is on the list of those that left */
+    BOX_LEFT = 8,     /* it is on the list of those that left */
+    BOX_FITTED = 128  /* it has one of the skins to come (renew.c) */
 };
 
 enum { NO_LEVEL = 255 };
+
+/* Commits that skins are made for: a box's first one, and the first ones of all boxes together. */
+enum { HORIZON_FIRST = 24, HORIZON_START = 24, HORIZON_MOST = 64 };
 
 /* A slot of the box table, and where the box is in the grid: one cache line. A box that
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
@@ -545,7 +549,10 @@ enum {
  * pair, since the last commit. What of this changes in a commit is noted by the settler. */
 #define NEAR_PAIR 0x80000000u
 
-static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
+/* In that of a candidate (renew.c), besides: it is none any more, a box of it rests no longer. */
+#define NEAR_GONE 0x40000000u
+
+static inline uint32_t near_slot(uint32_t entry) { return entry & ~(NEAR_PAIR | NEAR_GONE); }
 
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
@@ -753,6 +760,35 @@ size_t msap_ask_entries(const struct row_set *set, const struct row_question *q,
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
+/* Skins, rows and candidates to come (renew.c). */
+enum renewal_step { NO_RENEWAL, COUNT_ROWS, FILL_ROWS, SWEEP_ROWS, CHANGE_SKINS };
+struct renewal {
+    enum renewal_step next;
+    struct bounds *fat; /* [slots + 1] the skins of boxes that are fitted */
+    size_t slots, room_fat;
+    struct rows rows;
+    struct row_set set;
+    struct scratch words; /* from one step to the next: of a struct pruning, */
+    uint64_t *order;      /* the same, */
+    struct row_range *range;
+    size_t n, entries;
+    int may_repeat;
+    struct keys found; /* candidates */
+};
+
+/* What skins cost (choose.c), in tests, and how long they last. */
+struct upkeep {
+    uint32_t since;      /* the commit in which all boxes got skins, of their own or with all others */
+    int is_first;        /* 1: they are the first ones, for no motion */
+    uint32_t made_for;   /* so many commits */
+    uint32_t horizon;    /* and as many the next ones */
+    uint32_t not_before; /* the commit from which on there may be a renewal */
+    uint32_t wait;       /* for how many commits there was none when it had not paid last; 0: it has */
+    int64_t move;        /* what it costs to put a box elsewhere, */
+    int64_t moves;       /* those that were in this commit, */
+    int64_t spent;       /* and since `since` */
+};
+
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the
  * other one still holds boxes, they are moved over, some in each commit. */
@@ -773,6 +809,11 @@ struct grid {
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
     int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
     int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
+    int in_skins;   /* while is_resting: the rows hold boxes with their skins (renew.c) */
+    struct keys candidates; /* while in_skins: pairs of boxes that rest and whose skins overlap, a << 32 | entry for b */
+    uint32_t quiet;         /* while in_skins: in so many commits in a row so few boxes changed that skins do not pay */
+    struct renewal renewal;
+    struct upkeep upkeep;
     int64_t gain;   /* in tests: what cells and lists have saved since they were made or could be again; or,
                         while nothing is kept, would have since */
     uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
@@ -785,11 +826,12 @@ struct grid {
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
+    int will_renew;      /* the same: all boxes get skins and rest in them */
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
 
-/* Whether a box rests: it is in no cell, and the rows hold it as it was at the last commit. One that was removed
- * does until the commit is over. */
+/* Whether a box rests: it is in no cell, and the rows hold it, as it was at the last commit or with its skin. One that
+ * was removed does until the commit is over. */
 static inline int rests(const struct grid *g, const struct box *b)
 {
     return g->is_resting && b->level == NO_LEVEL && (b->flags & BOX_WAS);
@@ -799,7 +841,7 @@ static inline int rests(const struct grid *g, const struct box *b)
 static inline const struct bounds *bounds_in_grid(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
-    return rests(g, b) ? box_before(g->boxes, slot) : &b->fat;
+    return rests(g, b) && !g->in_skins ? box_before(g->boxes, slot) : &b->fat;
 }
 
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
@@ -839,9 +881,12 @@ double msap_cells_on(const struct spread *s);
 uint32_t msap_count_for(double cells);
 int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
-enum { HORIZON_MOST = 64 }; /* commits that a skin is made for */
+
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
+void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);
+int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
+void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first);
 void msap_skin_first(const struct grid *g, uint32_t slot);
 int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
 float msap_skin_lifetime(const struct grid *g, uint32_t slot);
@@ -893,6 +938,20 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
+int msap_grid_prune_only(struct grid *g, struct job *job);
+int msap_rest_note_reach(struct grid *g, struct memory *m);
+void msap_renewal_begin(struct grid *g, struct job *job);
+void msap_renewal_go_on(struct grid *g, struct job *job);
+void msap_renewal_at_once(struct grid *g, struct job *job);
+void msap_renewal_free(struct renewal *r, struct memory *m);
+void msap_upkeep_begins(struct grid *g);
+int msap_renewal_is_due(const struct grid *g, const struct job *job);
+void msap_renewal_was_made(struct grid *g, const struct job *job);
+void msap_renewal_failed(struct grid *g);
+int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
+int msap_touch_candidates(struct grid *g, struct job *job);
+int msap_tell_candidates(struct grid *g, struct job *job);
+const char *msap_candidates_broken(const struct grid *g);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);
 int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);
@@ -903,7 +962,7 @@ int msap_compare_is_worth_it(const struct grid *g, const struct pair_table *pair
 int msap_compare(struct grid *g, struct job *job);
 const char *msap_known_broken(const struct grid *g, const struct pair_table *pairs);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);
-void msap_grid_loaded(struct grid *g, struct job *job);
+void msap_grid_prepare(struct grid *g, struct job *job);
 int msap_grid_touch(const struct grid *g, struct job *job);
 void msap_grid_committed(struct grid *g, const struct settler *s);
 void msap_grid_count(const struct grid *g, msap_world_stats *stats);

@@ -84,8 +84,9 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
         spot_of(&g->layout[g->current], &b->fat, spot);
         return msap_grid_move(g, job->memory, slot, is_static(b), from, spot);
     }
-    if (rests(g, b) && !msap_rest_part(g, job, slot)) return 0;
-    msap_skin_first(g, slot);
+    if (rests(g, b) && !g->in_skins && !msap_rest_part(g, job, slot)) return 0;
+    if (rests(g, b) && g->in_skins) renew_skin(g, slot);
+    else msap_skin_first(g, slot);
     spot_of(&g->layout[g->current], &b->fat, spot);
     b->layout = (uint8_t)g->current;
     b->level = (uint8_t)spot->level;

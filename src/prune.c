@@ -69,28 +69,3 @@ void msap_prune_between(const struct prune_set *a, const struct prune_set *b, pr
         sweep_from(b, j, a, first, found, context);
     }
 }
-
-/* Room for so many entries, and slack behind them that can be read. Returns 0 without
- * memory. */
-int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
-{
-    if (entries > UINT32_MAX - ROW_SLACK) return 0;
-    if (!msap_memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words))
-        return 0;
-    for (size_t k = 0; k < 3; k++) {
-        set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
-        set->max[k] = set->min[k] + entries + ROW_SLACK;
-        memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
-        memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
-    }
-    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
-    memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
-    return 1;
-}
-
-void msap_row_set_free(struct row_set *set, struct memory *m)
-{
-    msap_memory_free(m, set->words, set->room, sizeof *set->words);
-    msap_memory_free(m, set->end, set->room_end, sizeof *set->end);
-    memset(set, 0, sizeof *set);
-}

@@ -411,7 +411,10 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     struct layout *l = &g->layout[g->current];
     struct rebuild r = {.grid = g, .layout = l, .job = job};
     msap_grid_empty_cells(g, job->memory);
-    g->is_tracking = g->is_jumping = g->is_resting = 0;
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
+    g->renewal.next = NO_RENEWAL;
+    g->quiet = 0;
+    msap_upkeep_begins(g);
     g->gain = 0;
     g->moves = t->live;
     msap_layout_free(&g->layout[1 - g->current], job->memory);

@@ -41,7 +41,7 @@ static void reach_in_row(const struct grid *g, size_t row)
 }
 
 /* Returns 0 without memory. */
-static int note_reach(struct grid *g, struct memory *m)
+int msap_rest_note_reach(struct grid *g, struct memory *m)
 {
     size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
     if (!msap_memory_reserve(m, &g->reach, &g->room_reach, reach_of(rows, g->row_set.end[rows - 1]) + 1, 0,
@@ -157,7 +157,7 @@ int msap_rest_begin(struct grid *g, struct job *job, size_t n)
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     g->is_empty = 0;
     call_wide(g, &job->worker->settler);
-    return note_reach(g, job->memory) && msap_layout_choose(g, job->memory, job->boxes, n + g->n_wide);
+    return msap_rest_note_reach(g, job->memory) && msap_layout_choose(g, job->memory, job->boxes, n + g->n_wide);
 }
 
 /* ------------------------------------------------------------------ checking */
@@ -165,7 +165,7 @@ int msap_rest_begin(struct grid *g, struct job *job, size_t n)
 /* How many rows a box that rests touches. */
 static uint64_t rows_touched(const struct grid *g, uint32_t slot)
 {
-    struct row_span span = rows_of(&g->rows, box_before(g->boxes, slot));
+    struct row_span span = rows_of(&g->rows, bounds_in_grid(g, slot));
     return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
 }
 
@@ -173,7 +173,7 @@ static uint64_t rows_touched(const struct grid *g, uint32_t slot)
 static int is_entry_broken(const struct grid *g, uint32_t i)
 {
     const struct row_set *set = &g->row_set;
-    const struct bounds *b = box_before(g->boxes, row_slot(set->id[i]));
+    const struct bounds *b = bounds_in_grid(g, row_slot(set->id[i]));
     for (int k = 0; k < 3; k++)
         if (set->min[k][i] != b->min[g->rows.axis[k]] || set->max[k][i] != b->max[g->rows.axis[k]]) return 1;
     return 0;

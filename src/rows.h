@@ -46,4 +46,56 @@ static inline struct row_span rows_of(const struct rows *r, const struct bounds 
     return s;
 }
 
+/* ------------------------------------------------------------------- rows.c */
+
+/* The rows that a box touches: from which one and, of a box that is not wide, how many more on
+ * each axis across. */
+struct row_range {
+    uint32_t row;
+    uint8_t more[2];
+    uint8_t is_static, is_new;
+};
+
+/* What a worker has counted of the slots from the first on. */
+struct counted {
+    size_t first, n, n_wide, entries;
+    uint32_t more[2]; /* no box touches more rows besides its first, on each axis across */
+    uint32_t *end;    /* [rows] boxes; NULL: it was not at work */
+};
+
+/* Rows in the making. */
+struct pruning {
+    struct job *job;
+    const struct rows *rows;
+    struct row_set *set;
+    size_t slots;            /* of the boxes; */
+    uint32_t flags;          /* those that have all of these are pruned */
+    const void *bounds;      /* by slot, */
+    size_t step;             /* so many bytes apart; in a larger struct */
+    uint32_t news;           /* how boxes are marked that are new */
+    uint64_t *order;         /* [n] keys of the boxes by their min on the sweep axis */
+    struct row_range *range; /* [slots] */
+    uint32_t *wide;          /* [n_wide] slots of the wide boxes */
+    size_t n, n_wide, entries;
+    int may_repeat;   /* 1: rows wrap around so soon that two boxes may meet at both ends, and be taken twice */
+    uint32_t *end;    /* [rows] behind the last box of each row */
+    uint32_t *end_by; /* [rows] the same of each worker but the calling thread's */
+    struct counted by[1 + MOST_WORKERS];
+};
+
+static inline const struct bounds *bounds_to_prune(const struct pruning *p, uint32_t slot)
+{
+    return (const struct bounds *)(const void *)((const char *)p->bounds + slot * p->step);
+}
+
+/* Receives pairs that are found. */
+typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
+
+void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit);
+int msap_rows_count(struct pruning *p, struct scratch *words);
+int msap_rows_sort(struct pruning *p);
+void msap_rows_fill(struct pruning *p);
+void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,
+                     size_t last, take_pairs_fn take, const void *context, struct worker *w);
+
 #endif

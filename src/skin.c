@@ -24,7 +24,7 @@
 
 static const float FAR = 1e30f; /* no skin for what is larger */
 
-enum { HORIZON_LEAST = 3, HORIZON_FIRST = 24, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
+enum { HORIZON_LEAST = 3, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
@@ -58,14 +58,7 @@ static uint32_t crawl_time(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
     uint32_t age = skin_age(b, g);
-    return b->level != NO_LEVEL && age > 1 && age < HORIZON_MOST ? age : 0;
-}
-
-/* Min on an axis when the box got its skin. Of one that crawled since it differs in the lower half at most. */
-static int32_t started_from(const struct grid *g, uint32_t slot, int k)
-{
-    uint32_t now = (uint32_t)g->boxes->at[slot].now.min[k], way = (now - g->boxes->past[slot].start[k]) & 0xffff;
-    return (int32_t)(now - way + (way > 0x7fff ? 0x10000 : 0));
+    return (b->level != NO_LEVEL || g->in_skins) && age > 1 && age < HORIZON_MOST ? age : 0;
 }
 
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
@@ -78,9 +71,8 @@ struct motion {
 };
 
 /* The three floats of ordered integers, and behind them a 0. */
-static inline __m128 three_values(const int32_t *ordered)
+static inline __m128 values_of(__m128i bits)
 {
-    __m128i bits = load_bounds(ordered);
     bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
     return _mm_castsi128_ps(_mm_and_si128(bits, _mm_set_epi32(0, -1, -1, -1)));
 }
@@ -96,32 +88,37 @@ static inline __m128 choose_floats(__m128i which, __m128 a, __m128 b)
     return _mm_castsi128_ps(choose_lanes(which, _mm_castps_si128(a), _mm_castps_si128(b)));
 }
 
-/* On which axes the box crawls, if it does on any on which it moves; else on none. */
-static inline __m128i crawling(const struct bounds *now, const struct bounds *before)
+/* On which axes none of the values is more than `most` from 0. */
+static inline __m128i are_within(__m128i values, int32_t most)
 {
-    const __m128i most = _mm_set1_epi32(CRAWL + 1), least = _mm_set1_epi32(-CRAWL - 1);
-    __m128i low = _mm_sub_epi32(load_bounds(now->min), load_bounds(before->min));
-    __m128i high = _mm_sub_epi32(load_bounds(now->max), load_bounds(before->max));
-    __m128i axes = _mm_and_si128(_mm_cmpgt_epi32(low, least), _mm_cmpgt_epi32(most, low));
-    __m128i rest = _mm_cmpeq_epi32(_mm_or_si128(low, high), _mm_setzero_si128());
-    int moves = _mm_movemask_ps(_mm_castsi128_ps(_mm_andnot_si128(rest, axes))) & 7;
-    return moves ? axes : _mm_setzero_si128();
+    return _mm_and_si128(_mm_cmpgt_epi32(values, _mm_set1_epi32(-most - 1)),
+                         _mm_cmpgt_epi32(_mm_set1_epi32(most + 1), values));
 }
 
-static struct motion motion_of(const struct grid *g, uint32_t slot)
+/* How far min has come since the box got its skin, in units; of one that crawled since it is less than 2^15. */
+static inline __m128i way_of(const struct grid *g, uint32_t slot)
+{
+    __m128i start = _mm_loadl_epi64((const __m128i *)(const void *)g->boxes->past[slot].start);
+    __m128i way = _mm_sub_epi32(load_bounds(g->boxes->at[slot].now.min), _mm_unpacklo_epi16(start, start));
+    return _mm_srai_epi32(_mm_slli_epi32(way, 16), 16);
+}
+
+static struct motion motion_from(const struct grid *g, uint32_t slot, const struct bounds *before)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
+    const struct bounds *now = &g->boxes->at[slot].now;
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
     uint32_t commits = crawl_time(g, slot);
-    m.low = three_values(now->min);
-    m.high = three_values(now->max);
-    m.down = _mm_sub_ps(m.low, three_values(before->min));
-    m.up = _mm_sub_ps(m.high, three_values(before->max));
-    __m128i axes = crawling(now, before);
-    if (commits > 0 && _mm_movemask_epi8(axes) != 0) {
-        const int32_t from[4] = {started_from(g, slot, 0), started_from(g, slot, 1), started_from(g, slot, 2), 0};
-        __m128 mean = _mm_div_ps(_mm_sub_ps(m.low, three_values(from)), _mm_set1_ps((float)commits));
+    __m128i min = load_bounds(now->min), step = _mm_sub_epi32(min, load_bounds(before->min));
+    m.low = values_of(min);
+    m.high = values_of(load_bounds(now->max));
+    m.down = _mm_sub_ps(m.low, values_of(load_bounds(before->min)));
+    m.up = _mm_sub_ps(m.high, values_of(load_bounds(before->max)));
+    if (commits > 0) {
+        __m128i way = way_of(g, slot);
+        __m128i axes = _mm_and_si128(are_within(step, CRAWL), are_within(way, CRAWL * (int32_t)commits));
+        __m128 mean =
+            _mm_div_ps(_mm_sub_ps(m.low, values_of(_mm_sub_epi32(min, way))), _mm_set1_ps((float)commits));
         m.down = choose_floats(axes, mean, m.down);
         m.up = choose_floats(axes, mean, m.up);
     }
@@ -141,15 +138,15 @@ static inline __m128i three_ordered(__m128 values)
 }
 
 /* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct box *b, const struct motion *m, float horizon, float aside)
+static void reach_out(struct bounds *fat, const struct motion *m, float horizon, float aside)
 {
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
     __m128i min = three_ordered(low), max = three_ordered(high);
-    __m128i old_min = load_bounds(b->fat.min), old_max = load_bounds(b->fat.max);
-    store_lanes(b->fat.min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
-    store_lanes(b->fat.max, choose_lanes(_mm_cmpgt_epi32(max, old_max), max, old_max));
+    __m128i old_min = load_bounds(fat->min), old_max = load_bounds(fat->max);
+    store_lanes(fat->min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
+    store_lanes(fat->max, choose_lanes(_mm_cmpgt_epi32(max, old_max), max, old_max));
 }
 
 #else
@@ -162,32 +159,32 @@ struct motion {
 static float larger(float a, float b) { return a > b ? a : b; }
 static float magnitude(float x) { return x < 0 ? -x : x; }
 
-/* On which axes the box crawls. Returns whether it does on any on which it moves. */
-static int crawling(const struct bounds *now, const struct bounds *before, int axes[3])
+static int is_within(int64_t value, int64_t most) { return -most <= value && value <= most; }
+
+/* How far min has come on an axis since the box got its skin, in units; of one that crawled since it is less than
+ * 2^15. */
+static int32_t way_of(const struct grid *g, uint32_t slot, int k)
 {
-    int moves = 0;
-    for (int k = 0; k < 3; k++) {
-        int64_t low = (int64_t)now->min[k] - before->min[k];
-        axes[k] = -CRAWL <= low && low <= CRAWL;
-        moves |= axes[k] && (low != 0 || now->max[k] != before->max[k]);
-    }
-    return moves;
+    uint32_t way = ((uint32_t)g->boxes->at[slot].now.min[k] - g->boxes->past[slot].start[k]) & 0xffff;
+    return (int32_t)way - (way > 0x7fff ? 0x10000 : 0);
 }
 
-static struct motion motion_of(const struct grid *g, uint32_t slot)
+static struct motion motion_from(const struct grid *g, uint32_t slot, const struct bounds *before)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
-    int axes[3], crawls = crawling(now, before, axes);
+    const struct bounds *now = &g->boxes->at[slot].now;
     uint32_t commits = crawl_time(g, slot);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
+        int32_t way = way_of(g, slot, k);
         m.low[k] = value_of(now->min[k]);
         m.high[k] = value_of(now->max[k]);
         m.down[k] = m.low[k] - value_of(before->min[k]);
         m.up[k] = m.high[k] - value_of(before->max[k]);
-        if (commits > 0 && crawls && axes[k])
-            m.down[k] = m.up[k] = (m.low[k] - value_of(started_from(g, slot, k))) / (float)commits;
+        if (commits > 0 && is_within((int64_t)now->min[k] - before->min[k], CRAWL) &&
+            is_within(way, CRAWL * (int64_t)commits))
+            m.down[k] = m.up[k] =
+                (m.low[k] - value_of((int32_t)((uint32_t)now->min[k] - (uint32_t)way))) / (float)commits;
         m.size = larger(m.high[k] - m.low[k], m.size);
         m.step = larger(magnitude(m.down[k]), larger(magnitude(m.up[k]), m.step));
     }
@@ -206,17 +203,22 @@ static int32_t ordered_of(float value)
 }
 
 /* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct box *b, const struct motion *m, float horizon, float aside)
+static void reach_out(struct bounds *fat, const struct motion *m, float horizon, float aside)
 {
     for (int k = 0; k < 3; k++) {
         int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
         int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
-        if (min < b->fat.min[k]) b->fat.min[k] = min;
-        if (max > b->fat.max[k]) b->fat.max[k] = max;
+        if (min < fat->min[k]) fat->min[k] = min;
+        if (max > fat->max[k]) fat->max[k] = max;
     }
 }
 
 #endif
+
+static struct motion motion_of(const struct grid *g, uint32_t slot)
+{
+    return motion_from(g, slot, moved_from(g->boxes, slot));
+}
 
 /* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
  * leave their skins in one commit. */
@@ -241,7 +243,7 @@ static void follow(struct box *b, const struct motion *m, float part)
     if (!(horizon >= HORIZON_LEAST && m->size < FAR)) return;
     b->horizon = (uint8_t)horizon;
     horizon *= part;
-    reach_out(b, m, horizon, m->step * horizon * (float)b->wobble / 8);
+    reach_out(&b->fat, m, horizon, m->step * horizon * (float)b->wobble / 8);
 }
 
 /* The skin that a box is about to get starts in this commit, where the box is now; it counts as so
@@ -301,8 +303,6 @@ float msap_skin_lifetime(const struct grid *g, uint32_t slot)
 void msap_skin_first(const struct grid *g, uint32_t slot)
 {
     struct box *b = &g->boxes->at[slot];
-    b->horizon = HORIZON_FIRST;
-    b->wobble = 1;
     start(g, slot, HORIZON_MOST); /* however soon it is left, it was good enough */
     if (g->config->margin >= 0) {
         b->fat = msap_bounds_widened(&b->now, g->config->margin);
@@ -313,5 +313,64 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
     struct motion m = motion_of(g, slot);
     float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
     if (m.step > 0) follow(b, &m, part);
-    else if (aside < FAR) reach_out(b, &m, 0, aside);
+    else if (aside < FAR) reach_out(&b->fat, &m, 0, aside);
+}
+
+/* ------------------------------------------------------------------ renewals */
+
+/* The bounds before the last commit, which is over; a box that was not there has not moved. */
+static const struct bounds *moved_from_lately(const struct box_table *t, uint32_t slot, int *is_new)
+{
+    const struct bounds *before = &t->past[slot].before;
+    int has_changed = t->at[slot].changed_in + 1 == t->epoch;
+    *is_new = has_changed && before->min[0] > before->max[0];
+    return has_changed && !*is_new ? before : &t->at[slot].now;
+}
+
+/* Makes the skin of a box for as long as all others, between commits. */
+void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
+{
+    enum { STEP_ASIDE = 2 };
+    const struct box *b = &g->boxes->at[slot];
+    float horizon = (float)g->upkeep.horizon;
+    if (g->config->margin >= 0) {
+        *fat = msap_bounds_widened(&b->now, g->config->margin);
+        return;
+    }
+    *fat = b->now;
+    if (b->flags & BOX_STATIC) return;
+    int is_new;
+    struct motion m = motion_from(g, slot, moved_from_lately(g->boxes, slot, &is_new));
+    horizon = reach(&m, horizon);
+    float aside = m.step * horizon * (float)b->wobble / 8, least = m.size / (is_new ? 4 : 32);
+    if (!(m.size < FAR)) return;
+    reach_out(fat, &m, horizon, aside > least ? aside : least);
+    for (int k = 0; k < 3; k++) {
+        fat->min[k] -= fat->min[k] > ORDERED_MINUS_INF + STEP_ASIDE ? STEP_ASIDE : 0;
+        fat->max[k] += fat->max[k] < ORDERED_INF - STEP_ASIDE ? STEP_ASIDE : 0;
+    }
+}
+
+/* Whether a box that is not static leaves its skin within so many commits if it moves on as in the last one. */
+int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits)
+{
+    const struct box *b = &g->boxes->at[slot];
+    struct {
+        struct bounds bounds;
+        int32_t fourth; /* is read along (bounds.h) */
+    } then = {b->now, 0};
+    int is_new;
+    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || b->changed_in + 1 != g->boxes->epoch) return 0;
+    struct motion m = motion_from(g, slot, moved_from_lately(g->boxes, slot, &is_new));
+    reach_out(&then.bounds, &m, (float)commits, 0);
+    return !contains(&b->fat, &then.bounds);
+}
+
+/* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that is
+ * long ago: so one who crawls is known better and better. */
+void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first)
+{
+    struct box *b = &g->boxes->at[slot];
+    b->horizon = (uint8_t)g->upkeep.made_for;
+    if (is_first || skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, g->upkeep.is_first ? HORIZON_MOST : 0);
 }

@@ -67,7 +67,7 @@ static int is_misplaced(const struct grid *g, const struct box *b)
 static size_t misplaced_first(const struct grid *g, struct box_table *t)
 {
     size_t n = 0;
-    if (g->is_resting) msap_rest_mark(g, t);
+    if (g->is_resting && !g->in_skins) msap_rest_mark(g, t);
     mark_baggy(g, t);
     for (size_t i = 0; i < t->n_left; i++) {
         uint32_t slot = t->left[i];
@@ -84,7 +84,9 @@ static int leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
     struct box *b = &job->boxes->at[slot];
-    if (!rests(g, b)) {
+    if (rests(g, b) && g->in_skins) {
+        box_forget_place(b);
+    } else if (!rests(g, b)) {
         msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
         box_forget_place(b);
     } else if (!msap_rest_part(g, job, slot)) {
@@ -150,7 +152,8 @@ static int leave_together(struct grid *g, const struct job *job, size_t gone)
     for (size_t i = 0; i < gone; i++) {
         uint32_t slot = job->boxes->left[i];
         w->tag[slot] = w->token;
-        if (!rests(g, &job->boxes->at[slot])) forget_cells(g, &job->boxes->at[slot]);
+        if (rests(g, &job->boxes->at[slot]) && g->in_skins) box_forget_place(&job->boxes->at[slot]);
+        else if (!rests(g, &job->boxes->at[slot])) forget_cells(g, &job->boxes->at[slot]);
         else if (!msap_rest_part(g, job, slot)) return 0;
     }
     leave_lists(g, job);
@@ -214,12 +217,19 @@ static int move_all(struct grid *g, const struct job *job, const uint32_t *slot,
     return 1;
 }
 
+/* n boxes are put elsewhere, by the calling thread. Returns 0 without memory. */
+int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n)
+{
+    return move_all(g, job, slot, n, NULL);
+}
+
 /* ---------------------------------------------------------------- the whole */
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
+    if (g->candidates.n > 0 && !msap_touch_candidates(g, job)) return 0;
     size_t gone = removed_first(job->boxes, misplaced);
     if (!leave_all(g, job, gone, by_cell)) return 0;
     uint32_t *slot = job->boxes->left + gone;
@@ -285,7 +295,7 @@ static size_t list_not_static(const struct grid *g, struct box_table *t)
 
 /* After a commit that pruned all boxes, most of which are static: they rest from now on, and the others, which are
  * likely to move, are put into cells. Without memory that is left to later. */
-void msap_grid_loaded(struct grid *g, struct job *job)
+static void rest_loaded(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
     if (!g->is_jumping) return;
@@ -293,4 +303,24 @@ void msap_grid_loaded(struct grid *g, struct job *job)
     size_t n = done ? list_not_static(g, t) : 0;
     if (n > 0) msap_order_by_cell(g, job, t->left, n);
     if (!done || !move_all(g, job, t->left, n, NULL)) msap_grid_empty(g, job->memory);
+}
+
+/* Boxes that rest in skins while few of them change rest from now on as they are, until they do. Without memory that is
+ * left to later. */
+static void rest_without_skins(struct grid *g, struct job *job)
+{
+    int done = msap_grid_prune_only(g, job) && begin_resting(g, job, job->boxes->live / 8);
+    if (!done) msap_grid_empty(g, job->memory);
+}
+
+/* After a commit: does what makes those to come cheaper. */
+void msap_grid_prepare(struct grid *g, struct job *job)
+{
+    enum { LONG = 4 };
+    if (g->will_rest) rest_loaded(g, job);
+    if (g->will_renew && g->is_jumping) msap_renewal_at_once(g, job);
+    else if (!g->is_tracking) g->renewal.next = NO_RENEWAL;
+    else if (g->quiet > (g->upkeep.is_first ? 0 : LONG)) rest_without_skins(g, job);
+    else if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
+    else if (msap_renewal_is_due(g, job)) msap_renewal_begin(g, job);
 }

@@ -108,6 +108,7 @@ static uint64_t cells_of_a_row(float cell_size)
     int i;
     config.cell_size = cell_size;
     config.margin = 0;
+    config.strategy = MSAP_STRATEGY_MERGE; /* by AUTO all of them would rest in rows */
     ok(msap_create(&config, &world));
     for (i = 0; i < 1000; i++)
         add(world, bar((float)(10 * i), (float)(10 * i + 1)));
@@ -434,25 +435,38 @@ END_TEST
 
 enum { CROWD = 1000, FAST = 1, FEW = 2, SOME = 4, ALL = 8 };
 
+/* How many boxes a field has, and how wide it is: so few that each has cells, or so many that they rest in
+ * skins. */
+static int crowd;
+static uint32_t side;
+
+static void choose_crowd(int many)
+{
+    crowd = many ? CROWD : 200;
+    side = many ? 42 : 19;
+}
+
 /* A field whose boxes move by a step: ALL, forth and back; SOME, every eighth one, back; FEW, every
  * sixteenth; FAST: far.
  * Returns how many of so many commits kept cells. */
 static int commits_that_track(session *s, int which, float step, int commits)
 {
     int i, frame, tracked = 0;
+    uint64_t sweeps;
     for (frame = 0; frame < commits; frame++) {
-        for (i = 0; i < CROWD; i++) {
+        for (i = 0; i < crowd; i++) {
             float by = (frame + i) % 2 ? step : -step;
             if (!(which & ALL) && (i + frame) % (which & SOME ? 8 : 16) != 0)
                 continue;
             if (which & FAST)
-                at[i] = in_square(&s->random, 42, 1);
+                at[i] = in_square(&s->random, side, 1);
             at[i].min[i % 3] += by;
             at[i].max[i % 3] += by;
             right(session_update(s, handles[i], &at[i]));
         }
+        sweeps = stats_of(s->world).sweeps;
         right(session_commit(s));
-        tracked += stats_of(s->world).cells > 0;
+        tracked += stats_of(s->world).sweeps == sweeps;
     }
     right(session_compare(s));
     return tracked;
@@ -464,8 +478,8 @@ static void open_crowd(session *s, float margin)
     int i;
     config.margin = margin;
     right(session_open(s, &config, 31, SCENE_SPREAD));
-    for (i = 0; i < CROWD; i++) {
-        at[i] = in_square(&s->random, 42, 1);
+    for (i = 0; i < crowd; i++) {
+        at[i] = in_square(&s->random, side, 1);
         right(session_add(s, &at[i], 0, &handles[i]));
     }
     right(session_commit(s));
@@ -476,6 +490,7 @@ static void open_crowd(session *s, float margin)
 START_TEST(cells_are_kept_while_they_pay)
 {
     session s;
+    choose_crowd(_i);
     open_crowd(&s, MSAP_MARGIN_AUTO);
     ck_assert_int_eq(commits_that_track(&s, ALL, 0.0078125f, 20), 20);
     ck_assert_int_lt(commits_that_track(&s, ALL | FAST, 0, 20), 5);
@@ -492,7 +507,7 @@ END_TEST
 static void step_all(session *s, float step)
 {
     int i;
-    for (i = 0; i < CROWD; i++) {
+    for (i = 0; i < crowd; i++) {
         at[i].min[i % 3] += step;
         at[i].max[i % 3] += step;
         right(session_update(s, handles[i], &at[i]));
@@ -505,13 +520,15 @@ static void step_all(session *s, float step)
 START_TEST(motion_can_deceive)
 {
     session s;
-    int round;
+    int round, tracked;
+    choose_crowd(_i);
     for (round = 0; round < 2; round++) {
         open_crowd(&s, 1);
         ck_assert_int_eq(commits_that_track(&s, FEW, 3, 16), 16); /* they leave their first skins */
         step_all(&s, -0.97f);
         right(session_commit(&s));
-        ck_assert_int_lt(commits_that_track(&s, SOME, round ? 0.04f : 0.2f, 8), 8);
+        tracked = commits_that_track(&s, SOME, round ? 0.04f : 0.2f, 16);
+        ck_assert_msg(_i ? tracked == 16 : round > 0 || tracked < 16, "%d of 16 commits", tracked); /* or all get new skins */
         at[0].max[0] = float_of(0x7F800000); /* infinity, whose motion is none */
         ck_assert_int_gt(commits_that_track(&s, ALL, 0.0078125f, 200), 100);
         right(session_close(&s));
@@ -526,32 +543,33 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
-/* How many cells a world of so many boxes has once they have all drifted for some commits; its pairs
- * must be those of box pruning. */
-static uint64_t cells_of_a_drift(int n)
+/* How many of the last four commits prune a world of so many boxes while they all drift; its pairs must be
+ * those of box pruning. */
+static uint64_t sweeps_of_a_drift(int n)
 {
     static box bounds[250000];
     static msap_handle names[250000];
     msap_boxes boxes = boxes_in_row(bounds);
-    float side = 1;
+    float wide = 1;
     msap_index_pair *pairs;
     msap_world *world;
-    uint64_t random = 5, cells;
+    uint64_t random = 5, sweeps = 0;
     size_t count;
     int i, k, frame;
-    while (side * side * side < 4 * (float)n)
-        side++;
+    while (wide * wide * wide < 4 * (float)n)
+        wide++;
     for (i = 0; i < n; i++)
         for (k = 0; k < 3; k++) {
-            bounds[i].min[k] = side * (float)random_below(&random, 65536) / 65536;
+            bounds[i].min[k] = wide * (float)random_below(&random, 65536) / 65536;
             bounds[i].max[k] = bounds[i].min[k] + 1;
         }
     ok(msap_create(NULL, &world));
     ok(msap_add_many(world, (size_t)n, &boxes, NULL, NULL, names));
-    for (frame = 0; frame < 6; frame++) {
+    for (frame = 0; frame < 12; frame++) {
         ok(msap_commit(world, NULL, NULL));
+        sweeps = frame == 8 ? stats_of(world).sweeps : sweeps;
         for (i = 0; i < n; i++) {
-            bounds[i].min[i % 3] += 0.03125f;
+            bounds[i].min[i % 3] += 0.075f;
             bounds[i].max[i % 3] = bounds[i].min[i % 3] + 1;
         }
         ok(msap_update_many(world, (size_t)n, names, &boxes));
@@ -560,16 +578,16 @@ static uint64_t cells_of_a_drift(int n)
     ok(msap_prune(NULL, (size_t)n, &boxes, &pairs, &count, NULL));
     ck_assert_uint_eq(stats_of(world).pairs, count);
     ok(msap_prune_free(NULL, pairs, count));
-    cells = stats_of(world).cells;
+    sweeps = stats_of(world).sweeps - sweeps;
     ok(msap_destroy(world));
-    return cells;
+    return sweeps;
 }
 
 /* Very many boxes are pruned where fewer would be kept track of: to look each of them up is dearer. */
 START_TEST(very_many_boxes_are_pruned_sooner)
 {
-    ck_assert_uint_gt(cells_of_a_drift(20000), 0);
-    ck_assert_uint_eq(cells_of_a_drift(250000), 0);
+    ck_assert_uint_eq(sweeps_of_a_drift(20000), 0);
+    ck_assert_uint_eq(sweeps_of_a_drift(250000), 4);
 }
 END_TEST
 
@@ -625,15 +643,14 @@ END_TEST
 START_TEST(first_skins_do_not_count)
 {
     session s;
-    int frame, tracked = 0;
+    int frame;
+    choose_crowd(_i);
     open_crowd(&s, MSAP_MARGIN_AUTO);
     for (frame = 0; frame < 20; frame++) {
         step_all(&s, 0.02f);
         right(session_commit(&s));
-        tracked += stats_of(s.world).cells > 0;
     }
     right(session_compare(&s));
-    ck_assert_int_eq(tracked, 20);
     ck_assert_uint_eq(stats_of(s.world).sweeps, 1);
     right(session_close(&s));
 }
@@ -671,14 +688,17 @@ START_TEST(giants_are_not_pruned)
     box all = box_of(0, 0, 0, 60, 60, 1);
     uint64_t sweeps;
     int i;
+    choose_crowd(1);
     open_crowd(&s, MSAP_MARGIN_AUTO);
     for (i = 0; i < 70; i++)
         right(session_add(&s, &all, 0, &giant));
     right(session_commit(&s));
+    commits_that_track(&s, SOME | FAST, 0, 2);
     sweeps = stats_of(s.world).sweeps;
     ck_assert_int_eq(commits_that_track(&s, SOME | FAST, 0, 12), 12);
     ck_assert_uint_eq(stats_of(s.world).sweeps, sweeps);
-    ck_assert_int_eq(commits_that_track(&s, ALL | FAST, 0, 3), 3);
+    commits_that_track(&s, ALL | FAST, 0, 3);
+    ck_assert_uint_gt(stats_of(s.world).cells, 0);
     right(session_close(&s));
 }
 END_TEST
@@ -782,11 +802,11 @@ int main(void)
         tcase_add_loop_test(tests, a_density_that_changes, i, i + 1);
         tcase_add_loop_test(tests, boxes_that_shrink, i, i + 1);
     }
-    tcase_add_test(tests, cells_are_kept_while_they_pay);
-    tcase_add_test(tests, motion_can_deceive);
+    tcase_add_loop_test(tests, cells_are_kept_while_they_pay, 0, 2);
+    tcase_add_loop_test(tests, motion_can_deceive, 0, 2);
     tcase_add_test(tests, very_many_boxes_are_pruned_sooner);
     tcase_add_test(tests, boxes_that_crawl_far_away);
-    tcase_add_test(tests, first_skins_do_not_count);
+    tcase_add_loop_test(tests, first_skins_do_not_count, 0, 2);
     tcase_add_loop_test(tests, all_of_space_and_boxes_that_come, 0, SETUPS);
     tcase_add_test(tests, giants_are_not_pruned);
     tcase_add_loop_test(tests, work_follows_boxes_that_jump, 0, MSAP_STRATEGY_SWEEP + 1);

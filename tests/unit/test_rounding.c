@@ -59,6 +59,7 @@ static msap_world *world_with(int row)
     msap_config config = config_of(3, DEFAULT);
     uint64_t random = 7 + (uint64_t)row;
     msap_world *world;
+    config.strategy = MSAP_STRATEGY_MERGE; /* by AUTO boxes rest in rows */
     if (row >= 4) {
         config.grid = MSAP_GRID_FIXED;
         for (int k = 0; k < 3; k++) {

@@ -542,7 +542,7 @@ START_TEST(so_many_tasks_as_workers)
 }
 END_TEST
 
-/* Where all boxes are updated and stay in their skins, each is touched, and that is all. */
+/* Where all boxes are updated and stay in their skins, once these suit them, each is touched, and that is all. */
 START_TEST(so_many_tasks_as_are_worth_it)
 {
     static const struct {
@@ -554,9 +554,12 @@ START_TEST(so_many_tasks_as_are_worth_it)
         {1000, 6000, 6}, {1001, 6000, 5},   {1, 3, 2},         {1, 1, 1},         {UINT32_MAX, 20000, 1},
     };
     size_t i;
+    int n;
     for (i = 0; i < COUNT(cases); i++) {
         msap_world *world = counted_world(64, cases[i].grain);
         most_tasks(world, counted, cases[i].boxes, 1);
+        for (n = 0; n < 8; n++)
+            most_tasks(world, counted, cases[i].boxes, 0);
         ck_assert_uint_eq(most_tasks(world, counted, cases[i].boxes, 0), cases[i].tasks);
         ok(msap_destroy(world));
     }

@@ -1,0 +1,334 @@
+/* From boxes to rows: the first half of a pruning of all boxes (jump.c, renew.c).
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * 1. All axes but one, the one on which boxes are finest compared with the scene, cut
+ *    space into rows along that one: the paper's grid, one SAP a row (II.2). Rows wrap
+ *    around, as cells do (grid.c). The boxes of each row are counted.
+ * 2. The boxes are sorted by their min on that axis and named, in this order, in the
+ *    rows that they touch: so every row is sorted. Then their bounds are written into the
+ *    rows, one after another.
+ *
+ * Boxes that touch many rows, wide ones, are in none. Naming takes the calling thread, the rest all
+ * workers. */
+#include "rows.h"
+
+enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
+
+/* ------------------------------------------------------------------ layout */
+
+static uint32_t finest_axis(const struct spread s[3])
+{
+    uint32_t best = 0;
+    for (uint32_t k = 1; k < 3; k++)
+        if (s[k].extent * s[best].size > s[best].extent * s[k].size) best = k;
+    return best;
+}
+
+/* Rows are half as wide again as most boxes or more, and wider while a sweep would meet only few
+ * boxes at a time. */
+static void choose_rows(struct rows *r, const struct box_table *boxes, uint32_t commit)
+{
+    struct spread s[3];
+    msap_spread_of(boxes, s);
+    double active = (double)boxes->live;
+    for (uint32_t k = 0; k < 3; k++) {
+        s[k].exponent = msap_exponent_for(1.5 * s[k].size);
+        if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
+    }
+    for (uint32_t k = 0; k < 3; k++) r->axis[k] = (finest_axis(s) + k) % 3;
+    struct spread *x = &s[r->axis[0]], *y = &s[r->axis[1]], *z = &s[r->axis[2]];
+    r->low = (float)(x->low - x->extent / 8); /* with room for the others */
+    r->extent = (float)(x->extent * 1.25);
+    for (; active < MOST_ACTIVE && msap_cells_on(y) * msap_cells_on(z) > 1; active *= 2)
+        ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
+    for (uint32_t k = 0; k < 2; k++) {
+        const struct spread *across = k == 0 ? y : z;
+        r->count[k] = across->exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(across));
+        r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
+    }
+    r->chosen_for = boxes->live + 1;
+    r->chosen_at = commit;
+}
+
+/* Chooses rows if those there are do not suit the boxes any more, or are old. */
+void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit)
+{
+    enum { COMMITS = 16 };
+    if (msap_is_outgrown(r->chosen_for, boxes->live) || commit - r->chosen_at > COMMITS)
+        choose_rows(r, boxes, commit);
+}
+
+/* --------------------------------------------------------------- steps 1, 2 */
+
+/* The rows that a box touches; returns how many. */
+static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
+{
+    struct row_span span = rows_of(r, b);
+    range->row = span.row;
+    range->more[0] = (uint8_t)span.more[0];
+    range->more[1] = (uint8_t)span.more[1];
+    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
+}
+
+/* Counts a box in its rows: where it touches two on each axis at the most, without a question. */
+static inline void count_in_rows(const struct rows *r, const struct row_range *range, uint32_t *end)
+{
+    uint32_t row = range->row, more_y = range->more[0], more_z = range->more[1];
+    if ((more_y | more_z) <= 1) {
+        end[row]++;
+        end[next_row(r, row)] += more_y;
+        if (r->count[1] == 1) return;
+        row = next_line(r, row);
+        end[row] += more_z;
+        end[next_row(r, row)] += more_y & more_z;
+        return;
+    }
+    for (uint32_t z = 0; z <= more_z; z++, row = next_line(r, row))
+        for (uint32_t y = 0, at = row; y <= more_y; y++, at = next_row(r, at)) end[at]++;
+}
+
+/* Finds the rows of the boxes in slots first ... last - 1, counts the boxes of each row, and names the
+ * wide ones in the worker's parts of the lists. */
+static void count_rows(void *context, struct worker *w, size_t first, size_t last)
+{
+    struct pruning *j = context;
+    const struct rows rows_now = *j->rows, *r = &rows_now;
+    const struct box_table *t = j->job->boxes;
+    const struct pruning p = {.bounds = j->bounds, .step = j->step};
+    uint32_t sweep_axis = r->axis[0], flags = j->flags;
+    size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
+    struct counted c = {first, 0, 0, 0, {0}, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
+    uint64_t *order = j->order + first;
+    uint32_t *wide = j->wide + first;
+    memset(c.end, 0, all_rows * sizeof *c.end);
+    for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
+        const struct box *b = &t->at[slot];
+        struct row_range *range = &j->range[slot];
+        if ((b->flags & flags) != flags) continue;
+        const struct bounds *bounds = bounds_to_prune(&p, slot);
+        uint64_t rows = range_rows(r, bounds, range);
+        range->is_static = (b->flags & BOX_STATIC) != 0;
+        range->is_new = !(b->flags & BOX_WAS);
+        if (rows > MOST_ROWS) {
+            wide[c.n_wide++] = slot;
+            continue;
+        }
+        order[c.n++] = key_make(bounds->min[sweep_axis], 0, slot);
+        c.entries += rows;
+        c.more[0] |= range->more[0];
+        c.more[1] |= range->more[1];
+        count_in_rows(r, range, c.end);
+    }
+    j->by[worker] = c;
+}
+
+/* Adds what the workers have counted up. Returns the number of entries in all rows. */
+static size_t add_up(struct pruning *j)
+{
+    size_t rows = (size_t)j->rows->count[0] * j->rows->count[1], entries = 0;
+    if (!j->by[0].end) memset(j->end, 0, rows * sizeof *j->end);
+    for (uint32_t i = 0; i <= MOST_WORKERS; i++) {
+        const struct counted *c = &j->by[i];
+        if (!c->end) continue;
+        if (c->first > j->n) memmove(j->order + j->n, j->order + c->first, c->n * sizeof *j->order);
+        memmove(j->wide + j->n_wide, j->wide + c->first, c->n_wide * sizeof *j->wide);
+        j->n += c->n;
+        j->n_wide += c->n_wide;
+        entries += c->entries;
+        for (int k = 0; k < 2; k++)
+            j->may_repeat |= j->rows->count[k] > 1 && 2 * (c->more[k] + 1) > j->rows->count[k];
+        for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
+    }
+    return entries;
+}
+
+/* Turns the counts into where each row starts. */
+static void start_rows(const struct pruning *j, size_t rows)
+{
+    uint32_t start = 0;
+    for (size_t i = 0; i < rows; i++) {
+        uint32_t n = j->end[i];
+        j->end[i] = start; /* and moves to the end as the row is filled */
+        start += n;
+    }
+}
+
+/* Names a box in the rows that it touches. */
+static void list_in_many(const struct rows *r, const struct row_range *range, uint32_t name, uint32_t *end,
+                         uint32_t *id)
+{
+    for (uint32_t z = 0, line = range->row; z <= range->more[1]; z++, line = next_line(r, line))
+        for (uint32_t y = 0, row = line; y <= range->more[0]; y++, row = next_row(r, row))
+            id[end[row]++] = name | (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0);
+}
+
+/* Names a box in a row if `is` is 1. If it is 0, what is written goes to `nowhere`, without a question. */
+static inline void list_if(uint32_t is, uint32_t *end, uint32_t *id, uint32_t name, uint32_t nowhere)
+{
+    id[nowhere ^ ((*end ^ nowhere) & (0 - is))] = name;
+    *end += is;
+}
+
+/* The same of a box that touches two rows on each axis at the most. */
+static inline void list_in_few(const struct rows *r, const struct row_range *range, uint32_t name, uint32_t *end,
+                               uint32_t *id, uint32_t nowhere)
+{
+    uint32_t more_y = range->more[0], more_z = range->more[1], row = range->row;
+    id[end[row]++] = name | ROW_STARTS_1 | ROW_STARTS_2;
+    list_if(more_y, &end[next_row(r, row)], id, name | ROW_STARTS_2, nowhere);
+    if (r->count[1] == 1) return;
+    row = next_line(r, row);
+    list_if(more_z, &end[row], id, name | ROW_STARTS_1, nowhere);
+    list_if(more_y & more_z, &end[next_row(r, row)], id, name, nowhere);
+}
+
+/* Names the boxes of each row, in their order. */
+static void list_rows(const struct pruning *j)
+{
+    enum { AHEAD = 8 };
+    const struct rows rows_now = *j->rows, *r = &rows_now;
+    uint32_t *id = j->set->id, *end = j->end;
+    for (size_t i = 0; i < j->n; i++) {
+        uint32_t slot = key_box(j->order[i]);
+        const struct row_range range = j->range[slot];
+        if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
+        uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES) | (range.is_new ? j->news : 0);
+        if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, (uint32_t)j->entries);
+        else list_in_many(r, &range, name, end, id);
+    }
+}
+
+/* Writes the bounds of entries first ... last - 1. */
+static void fill_rows(void *context, struct worker *w, size_t first, size_t last)
+{
+    enum { AHEAD = 8 };
+    const struct pruning *j = context;
+    const uint32_t *axis = j->rows->axis, *id = j->set->id;
+    int32_t *min[3], *max[3]; /* by axis of the boxes */
+    (void)w;
+    for (int k = 0; k < 3; k++) {
+        min[axis[k]] = j->set->min[k];
+        max[axis[k]] = j->set->max[k];
+    }
+    for (size_t i = first; i < last; i++) {
+        const struct bounds *b = bounds_to_prune(j, row_slot(id[i]));
+        if (i + AHEAD < last) prefetch(bounds_to_prune(j, row_slot(id[i + AHEAD])));
+        min[0][i] = b->min[0];
+        min[1][i] = b->min[1];
+        min[2][i] = b->min[2];
+        max[0][i] = b->max[0];
+        max[1][i] = b->max[1];
+        max[2][i] = b->max[2];
+    }
+}
+
+/* ---------------------------------------------------------------- the whole */
+
+/* How many words the arrays take. */
+static size_t words_of(const struct pruning *j)
+{
+    size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
+    size_t ends = rows * msap_phase_tasks(j->job->crew, slots, WEIGHT_ROWS);
+    return slots + slots + slots / 2 + 1 + ends / 2 + 1; /* a range is one */
+}
+
+/* Places the arrays in the memory of `words`, which grows as needed. Returns 0 without memory. */
+static int place_arrays(struct pruning *j, struct scratch *words)
+{
+    size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
+    uint64_t *at = msap_scratch_get(words, j->job->memory, words_of(j));
+    if (!at ||
+        !msap_memory_reserve(j->job->memory, &j->set->end, &j->set->room_end, rows, 0, sizeof *j->set->end))
+        return 0;
+    j->order = at;
+    j->range = (struct row_range *)(void *)(at + slots);
+    j->wide = (uint32_t *)(void *)(at + 2 * slots);
+    j->end_by = (uint32_t *)(void *)(at + 2 * slots + slots / 2 + 1);
+    j->end = j->set->end;
+    return 1;
+}
+
+/* Step 1, and which boxes are wide. What it makes stands in `words`. Returns 0 without memory. */
+int msap_rows_count(struct pruning *j, struct scratch *words)
+{
+    if (!place_arrays(j, words)) return 0;
+    /* It finds nothing, so it cannot lack memory. */
+    msap_phase_run(j->job->crew, j->job->memory, count_rows, j, j->slots, WEIGHT_ROWS);
+    j->entries = add_up(j);
+    return 1;
+}
+
+/* Makes the set, empty, and sorts the boxes. Returns 0 without memory. */
+int msap_rows_sort(struct pruning *j)
+{
+    const struct rows *r = j->rows;
+    if (!msap_row_set_make(j->set, j->job->memory, j->entries)) return 0;
+    msap_share_sort_values(j->job, j->order, j->n, (uint64_t *)(void *)j->set->words, r->low, r->extent);
+    return 1;
+}
+
+/* Names and writes the boxes in their rows. */
+void msap_rows_fill(struct pruning *j)
+{
+    start_rows(j, (size_t)j->rows->count[0] * j->rows->count[1]);
+    list_rows(j);
+    msap_phase_run(j->job->crew, j->job->memory, fill_rows, j, j->entries, WEIGHT_FILL); /* it finds nothing */
+}
+
+/* ----------------------------------------------------------------- sweeping */
+
+/* The row of an entry. */
+static size_t row_of(const struct row_set *set, const struct rows *r, size_t entry)
+{
+    size_t low = 0, high = (size_t)r->count[0] * r->count[1] - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (set->end[middle] <= entry) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Sweeps from entries first ... last - 1; what is found is taken. */
+void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,
+                     size_t last, take_pairs_fn take, const void *context, struct worker *w)
+{
+    struct pair_buffer found;
+    for (size_t row = row_of(set, r, first), i = first; i < last; i = set->end[row++]) {
+        uint32_t end = set->end[row];
+        struct row_sweep at = {(uint32_t)i, (uint32_t)i + 1, end < last ? end : (uint32_t)last, end};
+        while (at.i < at.last) {
+            sweep(set, &at, &found);
+            take(context, w, &found);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------ the set */
+
+/* Room for so many entries, and slack behind them that can be read. Returns 0 without
+ * memory. */
+int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
+{
+    if (entries > UINT32_MAX - ROW_SLACK) return 0;
+    if (!msap_memory_reserve(m, &set->words, &set->room, 7 * (entries + ROW_SLACK), 0, sizeof *set->words))
+        return 0;
+    for (size_t k = 0; k < 3; k++) {
+        set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
+        set->max[k] = set->min[k] + entries + ROW_SLACK;
+        memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
+        memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
+    }
+    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
+    memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
+    return 1;
+}
+
+void msap_row_set_free(struct row_set *set, struct memory *m)
+{
+    msap_memory_free(m, set->words, set->room, sizeof *set->words);
+    msap_memory_free(m, set->end, set->room_end, sizeof *set->end);
+    memset(set, 0, sizeof *set);
+}
