@@ -134,7 +134,23 @@ static const char *list_broken(const struct grid *g, uint32_t slot, uint64_t *ma
     return NULL;
 }
 
-/* Whether the two boxes of a pair rest: then they are no neighbours. */
+/* Adds the pairs among the candidates to *pairs. */
+static const char *candidates_broken(const struct grid *g, size_t *pairs)
+{
+    const struct box *boxes = g->boxes->at;
+    for (size_t i = 0; i < g->candidates.n; i++) {
+        uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i], b = near_slot(entry);
+        if (entry & NEAR_GONE) continue;
+        if (!rests(g, &boxes[a]) || !rests(g, &boxes[b])) return "a candidate does not rest";
+        if (boxes[a].flags & boxes[b].flags & BOX_STATIC) return "two static boxes are candidates";
+        if (!overlap(&boxes[a].fat, &boxes[b].fat)) return "the skins of candidates do not overlap";
+        if (((entry & NEAR_PAIR) != 0) != were_pair(g->boxes, a, b)) return "a candidate is wrong about a pair";
+        *pairs += (entry & NEAR_PAIR) != 0;
+    }
+    return NULL;
+}
+
+/* Whether the two boxes of a pair rest as they are: then they are no neighbours. */
 static int both_rest(const struct grid *g, const msap_pair *pair)
 {
     return rests(g, &g->boxes->at[slot_of(pair->a)]) && rests(g, &g->boxes->at[slot_of(pair->b)]);
@@ -152,9 +168,9 @@ static const char *lists_broken(const struct grid *g, const struct pair_table *p
     }
     if (marks != 0) return "a box is a neighbour, but not the other way round";
     for (size_t i = 0; i < pairs->active && !g->in_skins; i++) in_lists += both_rest(g, &pairs->at[i]);
-    for (size_t i = 0; i < g->candidates.n; i++)
-        in_lists += (g->candidates.at[i] & (NEAR_PAIR | NEAR_GONE)) == NEAR_PAIR;
-    return in_lists == pairs->active ? NULL : "a pair are no neighbours";
+    const char *broken = candidates_broken(g, &in_lists);
+    if (broken) return broken;
+    return in_lists == pairs->active ? NULL : "a pair are neither neighbours nor candidates";
 }
 
 /* The first broken invariant of a grid that is up to date with the last commit, or

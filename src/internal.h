@@ -951,7 +951,6 @@ void msap_renewal_failed(struct grid *g);
 int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_touch_candidates(struct grid *g, struct job *job);
 int msap_tell_candidates(struct grid *g, struct job *job);
-const char *msap_candidates_broken(const struct grid *g);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);
 int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);

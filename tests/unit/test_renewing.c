@@ -1,0 +1,361 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: while all boxes get new skins together (renew.c), none of their pairs is missed and none is told
+ * twice, whatever happens between the steps: boxes come, go and come again in the same slots, jump, stand
+ * still or grow. It looks behind the interface to see which step is next.
+ */
+#define box inner_box /* the tests have a struct of that name */
+#include "../../src/internal.h"
+#undef box
+#include "checks.h"
+
+enum { MOST = 1200 };
+
+/* A session, and boxes that walk: each on its way, back and forth. */
+typedef struct walkers {
+    session s;
+    msap_handle handles[MOST];
+    box bounds[MOST];
+    float step[MOST][3];
+    uint32_t n, turn; /* after so many commits all turn around */
+    uint32_t commits;
+} walkers;
+
+static void open_walk(walkers *w, int row, uint32_t dims, uint64_t seed)
+{
+    msap_config config = config_of(dims, row);
+    w->n = w->commits = 0;
+    w->turn = 40;
+    right(session_open(&w->s, &config, seed, SCENE_SPREAD));
+}
+
+static void put(walkers *w, box bounds, float step, uint32_t flags)
+{
+    w->bounds[w->n] = bounds;
+    for (int k = 0; k < 3; k++)
+        w->step[w->n][k] = flags ? 0 : step * ((float)random_below(&w->s.random, 2001) / 1000 - 1);
+    right(session_add(&w->s, &bounds, flags, &w->handles[w->n++]));
+}
+
+/* A box of about size 1 in a block that is so large. */
+static box in_block(walkers *w, const uint32_t size[3])
+{
+    float low[3];
+    for (int k = 0; k < 3; k++) low[k] = (float)random_below(&w->s.random, 100 * size[k]) / 100;
+    return box_of(low[0], low[1], low[2], low[0] + 1, low[1] + 1.25f, low[2] + 0.75f);
+}
+
+/* So many boxes, in about four times the room that they take; of sixteen of them so many are static. */
+static void put_some(walkers *w, uint32_t n, float step, uint32_t statics)
+{
+    const uint32_t size[3] = {16, 12, 8};
+    for (uint32_t i = 0; i < n; i++)
+        put(w, in_block(w, size), step, random_below(&w->s.random, 16) < statics ? MSAP_STATIC : 0);
+}
+
+static void set(walkers *w, uint32_t i, box bounds)
+{
+    w->bounds[i] = bounds;
+    right(session_update(&w->s, w->handles[i], &bounds));
+}
+
+/* All go on by a step, but for one in so many. */
+static void walk(walkers *w, uint32_t but)
+{
+    float way = w->commits / w->turn % 2 ? -1.0f : 1.0f;
+    for (uint32_t i = 0; i < w->n; i++) {
+        box b = w->bounds[i];
+        if (but > 0 && i % but == 0) continue;
+        for (int k = 0; k < 3; k++) {
+            b.min[k] += way * w->step[i][k];
+            b.max[k] += way * w->step[i][k];
+        }
+        set(w, i, b);
+    }
+}
+
+static void end_frame(walkers *w)
+{
+    right(session_commit(&w->s));
+    right(session_compare(&w->s));
+    w->commits++;
+}
+
+static const struct grid *grid_of(const walkers *w) { return &w->s.world->grid; }
+
+/* Whether the set-up chooses its ways itself, in a grid. */
+static int is_free(const walkers *w)
+{
+    const msap_config *c = &w->s.world->config;
+    return c->grid != MSAP_GRID_NONE && c->strategy == MSAP_STRATEGY_AUTO;
+}
+
+static void take_away(walkers *w, uint32_t i)
+{
+    right(session_remove(&w->s, w->handles[i]));
+    w->n--;
+    w->handles[i] = w->handles[w->n];
+    w->bounds[i] = w->bounds[w->n];
+    memcpy(w->step[i], w->step[w->n], sizeof w->step[i]);
+}
+
+/* Boxes that walk get new skins again and again, and are pruned in one commit no more. */
+START_TEST(all_walk)
+{
+    for (uint32_t dims = 2; dims <= 3; dims++) {
+        walkers w;
+        int steps[CHANGE_SKINS + 1] = {0};
+        open_walk(&w, _i, dims, 1);
+        put_some(&w, 320, 0.05f, 2);
+        for (int frame = 0; frame < 70; frame++) {
+            walk(&w, 0);
+            end_frame(&w);
+            steps[grid_of(&w)->renewal.next]++;
+            if (is_free(&w) && frame > 10 && w.s.world->config.margin < 0) ck_assert(grid_of(&w)->in_skins);
+        }
+        for (int step = 0; step <= CHANGE_SKINS && is_free(&w) && w.s.world->config.margin < 0; step++)
+            ck_assert_int_ge(steps[step], 2);
+        right(session_close(&w.s));
+    }
+}
+END_TEST
+
+/* ------------------------------------------------------- between the steps */
+
+/* What happens in one commit, besides that all walk. */
+enum { COME, GO, COME_AND_GO, JUMP, GROW, SHRINK, STOP, ALL_JUMP, HAPPENINGS };
+
+static void happen(walkers *w, int what)
+{
+    const uint32_t size[3] = {16, 12, 8};
+    for (uint32_t i = 0; i < 12 && w->n > 270 && (what == GO || what == COME_AND_GO); i++)
+        take_away(w, random_below(&w->s.random, w->n));
+    if ((what == COME || what == COME_AND_GO) && w->n + 12 < MOST) put_some(w, 12, 0.05f, 4);
+    for (uint32_t i = 0; i < w->n; i++) {
+        uint32_t one_in = what == ALL_JUMP ? 1 : 20;
+        if (random_below(&w->s.random, one_in) > 0) continue;
+        box b = w->bounds[i];
+        if (what == JUMP || what == ALL_JUMP) b = in_block(w, size);
+        if (what == GROW) b = box_of(-3, -3, -3, 19, 15, b.max[2]);
+        if (what == SHRINK) b = box_of(b.min[0], b.min[1], b.min[2], b.min[0], b.min[1], b.min[2]);
+        set(w, i, b);
+    }
+}
+
+/* Everything happens before each step, and before each two. */
+START_TEST(all_happens_between_the_steps)
+{
+    for (int what = 0; what < HAPPENINGS; what++)
+        for (int step = NO_RENEWAL; step <= CHANGE_SKINS; step++) {
+            walkers w;
+            int times = 0;
+            open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
+            put_some(&w, 300, 0.08f, 2);
+            for (int frame = 0; frame < (is_free(&w) || step == NO_RENEWAL ? 24 : 0); frame++) {
+                walk(&w, what == STOP ? 2 : 0);
+                if ((int)grid_of(&w)->renewal.next == step && frame > 1) happen(&w, times++ % 2 ? GO : what);
+                end_frame(&w);
+            }
+            if (is_free(&w) && w.s.world->config.margin < 0) ck_assert_int_gt(times, 0);
+            right(session_close(&w.s));
+        }
+}
+END_TEST
+
+/* Slots are given out again at once, to boxes of another kind: static ones, and none that walk. */
+START_TEST(slots_are_given_out_again)
+{
+    walkers w;
+    open_walk(&w, _i, 3, 5);
+    put_some(&w, 300, 0.08f, 8);
+    for (int frame = 0; frame < 60; frame++) {
+        walk(&w, 0);
+        for (int i = 0; i < 8; i++) take_away(&w, random_below(&w.s.random, w.n));
+        put_some(&w, 8, 0.08f, frame % 3 * 8);
+        end_frame(&w);
+    }
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* ----------------------------------------------------------------- all sorts */
+
+/* Rows are so few, and boxes so wide, that two may meet at both ends. */
+START_TEST(rows_that_wrap_around_soon)
+{
+    walkers w;
+    int repeated = 0;
+    open_walk(&w, _i, 3, 6);
+    for (uint32_t i = 0; i < 300; i++) {
+        float x = (float)random_below(&w.s.random, 2000) / 100, y = (float)random_below(&w.s.random, 300) / 100;
+        float z = (float)random_below(&w.s.random, 300) / 100, wide = i % 3 ? 0.5f : 2.5f;
+        put(&w, box_of(x, y, z, x + 1, y + wide, z + wide), 0.04f, 0);
+    }
+    for (int frame = 0; frame < 50; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+        repeated += grid_of(&w)->renewal.may_repeat;
+    }
+    if (is_free(&w) && w.s.world->config.margin < 0) ck_assert_int_gt(repeated, 0);
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* Some boxes touch many rows; or so many do that there are no rows. */
+static void walk_with_wide(int row, int wide)
+{
+    walkers w;
+    open_walk(&w, row, 3, 7);
+    put_some(&w, 300, 0.05f, 2);
+    for (int i = 0; i < wide; i++) put(&w, box_of(-9, -9, (float)i / 8, 29, 29, (float)i / 8), 0.05f, 0);
+    for (int frame = 0; frame < 45; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    if (is_free(&w) && w.s.world->config.margin < 0) ck_assert_int_eq(grid_of(&w)->in_skins, wide < MOST_WIDE);
+    right(session_close(&w.s));
+}
+
+START_TEST(wide_boxes_walk)
+{
+    walk_with_wide(_i, 5);
+    walk_with_wide(_i, 70);
+}
+END_TEST
+
+/* When most boxes stop, all rest as they are; when they walk on, they get skins; and when they jump, nothing is
+ * kept but for a while. */
+START_TEST(boxes_stop_and_walk_on)
+{
+    walkers w;
+    open_walk(&w, _i, 3, 8);
+    put_some(&w, 400, 0.05f, 0);
+    for (int round = 0; round < 2; round++) {
+        for (int frame = 0; frame < 30; frame++) {
+            walk(&w, 0);
+            end_frame(&w);
+        }
+        if (is_free(&w) && w.s.world->config.margin < 0) ck_assert(grid_of(&w)->in_skins);
+        for (int frame = 0; frame < 12; frame++) {
+            set(&w, (uint32_t)frame, w.bounds[50 + frame]);
+            end_frame(&w);
+        }
+        if (is_free(&w) && w.s.world->config.margin < 0)
+            ck_assert(grid_of(&w)->is_resting && !grid_of(&w)->in_skins);
+        for (int frame = 0; frame < 3; frame++) {
+            happen(&w, ALL_JUMP);
+            end_frame(&w);
+        }
+        if (is_free(&w)) ck_assert(!grid_of(&w)->is_resting);
+    }
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* Trimmed between the steps, or emptied. */
+START_TEST(memory_is_given_back_between_the_steps)
+{
+    for (int step = NO_RENEWAL; step <= CHANGE_SKINS; step++) {
+        walkers w;
+        open_walk(&w, _i, 3, 9);
+        put_some(&w, 300, 0.05f, 2);
+        for (int frame = 0; frame < 40; frame++) {
+            walk(&w, 0);
+            end_frame(&w);
+            if ((int)grid_of(&w)->renewal.next == step && frame % 3 == 1) right(session_trim(&w.s));
+            if ((int)grid_of(&w)->renewal.next == step && frame == 25)
+                while (w.n > 0) take_away(&w, w.n - 1);
+        }
+        right(session_close(&w.s));
+    }
+}
+END_TEST
+
+/* In each commit of a renewal each allocation fails once; the commit fails or not, and nothing is lost. */
+START_TEST(without_memory)
+{
+    size_t failures = 1;
+    for (size_t n = 1; failures > 0; n++) {
+        walkers w;
+        open_walk(&w, _i, 3, 10);
+        put_some(&w, 260, 0.08f, 2);
+        walk(&w, 0);
+        if (n % 2) end_frame(&w); /* else all comes and is put in skins */
+        w.s.memory.fail_at = w.s.memory.calls + (n + 1) / 2;
+        for (int frame = 0; frame < 12; frame++) {
+            walk(&w, 0);
+            end_frame(&w);
+        }
+        failures = w.s.memory.failures;
+        right(session_close(&w.s));
+    }
+}
+END_TEST
+
+/* ------------------------------------------------------------------ checking */
+
+static void is_broken(const walkers *w, const char *sentence)
+{
+    const char *what = NULL;
+    refused(msap_validate(w->s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, sentence);
+}
+
+/* The validator sees what is wrong with candidates. */
+START_TEST(broken_candidates)
+{
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 11);
+    put_some(&w, 400, 0.05f, 4);
+    for (int frame = 0; frame < 8; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    struct grid *g = &w.s.world->grid;
+    uint64_t *c = g->candidates.at, was = *c;
+    struct inner_box *p = &g->boxes->at[was >> 32], *q = &g->boxes->at[near_slot((uint32_t)was)];
+    ck_assert(g->in_skins && !(was & NEAR_GONE));
+    *c ^= NEAR_PAIR;
+    is_broken(&w, "a candidate is wrong about a pair");
+    *c = was & NEAR_PAIR ? was | NEAR_GONE : was;
+    if (was & NEAR_PAIR) is_broken(&w, "a pair are neither neighbours nor candidates");
+    *c = was;
+    uint16_t flags[2] = {p->flags, q->flags};
+    size_t live_static = g->boxes->live_static;
+    p->flags = (uint16_t)(flags[0] | BOX_STATIC);
+    q->flags = (uint16_t)(flags[1] | BOX_STATIC);
+    g->boxes->live_static += (p->flags != flags[0]) + (q->flags != flags[1]);
+    is_broken(&w, "two static boxes are candidates");
+    g->boxes->live_static = live_static;
+    p->flags = flags[0];
+    q->flags = flags[1];
+    for (uint32_t i = 0; i < g->boxes->used && rests(g, &g->boxes->at[*c >> 32]); i++)
+        if (!rests(g, &g->boxes->at[i])) *c = (uint64_t)i << 32 | (uint32_t)was;
+    if (*c != was) is_broken(&w, "a candidate does not rest");
+    *c = (was & 0xffffffff) | (uint64_t)0 << 32;
+    for (uint32_t i = 0; i < g->boxes->used; i++)
+        if (rests(g, &g->boxes->at[i]) && !overlap(&g->boxes->at[i].fat, &q->fat) &&
+            !(g->boxes->at[i].flags & BOX_STATIC))
+            *c = (uint64_t)i << 32 | (uint32_t)was;
+    is_broken(&w, "the skins of candidates do not overlap");
+    *c = was;
+    right(session_compare(&w.s));
+    right(session_close(&w.s));
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("renewing");
+    tcase_add_loop_test(tests, all_walk, 0, SETUPS);
+    tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
+    tcase_add_loop_test(tests, slots_are_given_out_again, 0, SETUPS);
+    tcase_add_loop_test(tests, rows_that_wrap_around_soon, 0, SETUPS);
+    tcase_add_loop_test(tests, wide_boxes_walk, 0, SETUPS);
+    tcase_add_loop_test(tests, boxes_stop_and_walk_on, 0, SETUPS);
+    tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
+    tcase_add_loop_test(tests, without_memory, 0, SETUPS);
+    tcase_add_test(tests, broken_candidates);
+    return run_case(tests, "renewing");
+}
