@@ -443,8 +443,9 @@ typedef struct msap_world_stats {
     uint64_t candidates;        /* pairs of neighbours: boxes whose skins overlap */
 } msap_world_stats;
 
-/* Fills *stats. Boxes that have not moved since a commit that pruned all boxes, as static
- * ones of a world that was loaded, may be in no cell, and two of them are no candidates.
+/* Fills *stats. Boxes may be in no cell: those that have not moved since a commit that pruned
+ * all boxes, as static ones of a world that was loaded, two of which are no candidates, and
+ * those that have not left a skin that they got together with all others.
  * Errors: MSAP_ERROR_NULL, _STRUCT_SIZE. Thread rule: reader. Cost: O(n + cells). */
 MSAP_API msap_status msap_stats(const msap_world *world, msap_world_stats *stats);
 

@@ -287,7 +287,7 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
-        early += (b->level != NO_LEVEL || g->in_skins) && skin_age(b, g) < HORIZON_MOST;
+        early += (b->level != NO_LEVEL || rests(g, b)) && skin_age(b, g) < HORIZON_MOST;
     }
     c.track = cost_of_tracking(job, (int64_t)misplaced - leaving, leaving);
     int64_t touches = cost_of_tracking(job, 0, 0), moves = c.track - touches;

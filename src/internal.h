@@ -291,7 +291,8 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, of pairs that changed, each once */
+    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, and of candidates, NONE << 32 | index, of
+                              pairs that changed, each once */
     int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
     int lost;              /* 1: a list could not grow, something was lost */
     int has_all_doomed;    /* 1: the doomed list holds every known pair */
@@ -552,7 +553,8 @@ enum {
 /* In that of a candidate (renew.c), besides: it is none any more, a box of it rests no longer. */
 #define NEAR_GONE 0x40000000u
 
-static inline uint32_t near_slot(uint32_t entry) { return entry & ~(NEAR_PAIR | NEAR_GONE); }
+static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
+static inline uint32_t candidate_slot(uint32_t entry) { return entry & ~(NEAR_PAIR | NEAR_GONE); }
 
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
@@ -764,7 +766,7 @@ sweep_row_fn msap_sweep_row_for(uint32_t simd);
 enum renewal_step { NO_RENEWAL, COUNT_ROWS, FILL_ROWS, SWEEP_ROWS, CHANGE_SKINS };
 struct renewal {
     enum renewal_step next;
-    struct bounds *fat; /* [slots + 1] the skins of boxes that are fitted */
+    struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
     struct row_set set;

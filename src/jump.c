@@ -109,8 +109,8 @@ static int are_only_removed(const struct box_table *t)
     return n == t->n_changed;
 }
 
-/* Step 1 as far as all is kept. Returns 0 without memory, and UNSUITED, with nothing done, where there are many
- * wide boxes. */
+/* Counts the boxes of all rows, of which the set holds nothing any more. Returns 0 without memory, and UNSUITED where
+ * there are many wide boxes. */
 static int count_all(struct grid *g, struct job *job, struct pruning *p)
 {
     const struct pruning all = {.job = job,
@@ -132,7 +132,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
 }
 
 /* Finds the pairs that overlap, and the events. Returns 0 without memory, and
- * UNSUITED, with nothing done, where there are many wide boxes. */
+ * UNSUITED, with nothing done but that rows were counted anew, where there are many wide boxes. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
     struct jump j = {.grid = g, .job = job};

@@ -85,7 +85,7 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
         return msap_grid_move(g, job->memory, slot, is_static(b), from, spot);
     }
     if (rests(g, b) && !g->in_skins && !msap_rest_part(g, job, slot)) return 0;
-    if (rests(g, b) && g->in_skins) renew_skin(g, slot);
+    if (rests(g, b) && g->in_skins && b->flags & BOX_FITTED) renew_skin(g, slot);
     else msap_skin_first(g, slot);
     spot_of(&g->layout[g->current], &b->fat, spot);
     b->layout = (uint8_t)g->current;
@@ -105,7 +105,10 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot, st
     renew_skin(g, slot);
     spot_of(l, &b->fat, spot);
     if (may_place(g, own, from, spot)) return msap_grid_move(g, NULL, slot, is_static(b), from, spot);
-    *b = before;
+    b->fat = before.fat;
+    b->since = before.since;
+    b->horizon = before.horizon;
+    b->wobble = before.wobble;
     memcpy(start, started, sizeof started);
     return 0;
 }
@@ -149,14 +152,19 @@ static int join(struct grid *g, const struct job *job, const struct region *own,
     return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
 }
 
-/* Tags those of n boxes found that are near. */
+/* Tags those of n boxes found that are near. What rows say of a slot may be of another box than the one that has it now: so
+ * two may be static. */
 static void tag_near(struct worker *w, const struct box *box, uint32_t slot, size_t n)
 {
     msap_worker_new_token(w);
     const struct box self = box[slot];
     const uint32_t *found = w->found, token = w->token;
     uint32_t *tag = w->tag;
-    for (size_t i = 0; i < n; i++) tag[found[i]] = overlap(&self.fat, &box[found[i]].fat) ? token : tag[found[i]];
+    for (size_t i = 0; i < n; i++) {
+        const struct box *b = &box[found[i]];
+        int is_near = overlap(&self.fat, &b->fat) & !(self.flags & b->flags & BOX_STATIC);
+        tag[found[i]] = is_near ? token : tag[found[i]];
+    }
     tag[slot] = token + 1; /* it finds itself */
 }
 
@@ -183,7 +191,8 @@ static int renew_list(struct grid *g, const struct job *job, const struct region
 int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 {
     const struct grid *g = grid;
-    const struct box *q = &g->boxes->at[b];
+    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
+    if (p->flags & q->flags & BOX_STATIC) return 0;
     int is_in = q->level != NO_LEVEL || (rests(g, q) && q->flags & BOX_LIVE);
     return is_in && overlap(bounds_in_grid(g, a), bounds_in_grid(g, b));
 }

@@ -44,10 +44,19 @@ static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_
 
 /* ------------------------------------------------------------------ motion */
 
-/* The bounds before; a box that was not there has not moved. */
+/* Whether a box came in the last commit that changed it. */
+static int is_new(const struct box_table *t, uint32_t slot)
+{
+    return t->past[slot].before.min[0] > t->past[slot].before.max[0];
+}
+
+/* Where a box was before it moved in this commit or, between commits, in the last one. One that was not there has not
+ * moved. */
 static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
 {
-    return t->at[slot].flags & BOX_WAS ? box_before(t, slot) : &t->at[slot].now;
+    uint32_t epoch = t->n_changed == 0 ? t->epoch - 1 : t->epoch;
+    int has_moved = t->at[slot].changed_in == epoch && !is_new(t, slot);
+    return has_moved ? &t->past[slot].before : &t->at[slot].now;
 }
 
 enum { CRAWL = 4 /* units in the last place, that one who crawls comes in a commit at the most */ };
@@ -103,10 +112,10 @@ static inline __m128i way_of(const struct grid *g, uint32_t slot)
     return _mm_srai_epi32(_mm_slli_epi32(way, 16), 16);
 }
 
-static struct motion motion_from(const struct grid *g, uint32_t slot, const struct bounds *before)
+static struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now;
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
     uint32_t commits = crawl_time(g, slot);
     __m128i min = load_bounds(now->min), step = _mm_sub_epi32(min, load_bounds(before->min));
@@ -169,10 +178,10 @@ static int32_t way_of(const struct grid *g, uint32_t slot, int k)
     return (int32_t)way - (way > 0x7fff ? 0x10000 : 0);
 }
 
-static struct motion motion_from(const struct grid *g, uint32_t slot, const struct bounds *before)
+static struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now;
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     uint32_t commits = crawl_time(g, slot);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
@@ -214,11 +223,6 @@ static void reach_out(struct bounds *fat, const struct motion *m, float horizon,
 }
 
 #endif
-
-static struct motion motion_of(const struct grid *g, uint32_t slot)
-{
-    return motion_from(g, slot, moved_from(g->boxes, slot));
-}
 
 /* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
  * leave their skins in one commit. */
@@ -318,36 +322,31 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
 
 /* ------------------------------------------------------------------ renewals */
 
-/* The bounds before the last commit, which is over; a box that was not there has not moved. */
-static const struct bounds *moved_from_lately(const struct box_table *t, uint32_t slot, int *is_new)
-{
-    const struct bounds *before = &t->past[slot].before;
-    int has_changed = t->at[slot].changed_in + 1 == t->epoch;
-    *is_new = has_changed && before->min[0] > before->max[0];
-    return has_changed && !*is_new ? before : &t->at[slot].now;
-}
+/* Bounds that vectors may read (bounds.h). */
+struct readable {
+    struct bounds bounds;
+    int32_t fourth;
+};
 
-/* Makes the skin of a box for as long as all others, between commits. */
+/* Makes the skin of a box, to last as long as all others', between commits. A box that is new may move anywhere; one that stands
+ * still may tremble; and a step of floats that are far apart is soon made. */
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
-    float horizon = (float)g->upkeep.horizon;
-    if (g->config->margin >= 0) {
-        *fat = msap_bounds_widened(&b->now, g->config->margin);
-        return;
-    }
-    *fat = b->now;
-    if (b->flags & BOX_STATIC) return;
-    int is_new;
-    struct motion m = motion_from(g, slot, moved_from_lately(g->boxes, slot, &is_new));
-    horizon = reach(&m, horizon);
-    float aside = m.step * horizon * (float)b->wobble / 8, least = m.size / (is_new ? 4 : 32);
+    struct readable skin = {b->now, 0};
+    *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
+    if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
+    struct motion m = motion_of(g, slot);
+    float horizon = reach(&m, (float)g->upkeep.horizon), aside = m.step * horizon * (float)b->wobble / 8;
+    int came = b->changed_in == g->boxes->epoch - 1 && is_new(g->boxes, slot);
+    float least = m.size / (came ? 4 : 32);
     if (!(m.size < FAR)) return;
-    reach_out(fat, &m, horizon, aside > least ? aside : least);
+    reach_out(&skin.bounds, &m, horizon, aside > least ? aside : least);
     for (int k = 0; k < 3; k++) {
-        fat->min[k] -= fat->min[k] > ORDERED_MINUS_INF + STEP_ASIDE ? STEP_ASIDE : 0;
-        fat->max[k] += fat->max[k] < ORDERED_INF - STEP_ASIDE ? STEP_ASIDE : 0;
+        int32_t min = skin.bounds.min[k], max = skin.bounds.max[k];
+        fat->min[k] = min - (min > ORDERED_MINUS_INF + STEP_ASIDE ? STEP_ASIDE : 0);
+        fat->max[k] = max + (max < ORDERED_INF - STEP_ASIDE ? STEP_ASIDE : 0);
     }
 }
 
@@ -355,22 +354,20 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits)
 {
     const struct box *b = &g->boxes->at[slot];
-    struct {
-        struct bounds bounds;
-        int32_t fourth; /* is read along (bounds.h) */
-    } then = {b->now, 0};
-    int is_new;
-    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || b->changed_in + 1 != g->boxes->epoch) return 0;
-    struct motion m = motion_from(g, slot, moved_from_lately(g->boxes, slot, &is_new));
+    struct readable then = {b->now, 0};
+    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || b->changed_in != g->boxes->epoch - 1) return 0;
+    struct motion m = motion_of(g, slot);
     reach_out(&then.bounds, &m, (float)commits, 0);
     return !contains(&b->fat, &then.bounds);
 }
 
-/* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that is
- * long ago: so one who crawls is known better and better. */
+/* The skin of a box that it got with all others starts; those that are the first a world gets count as old, as
+ * any first skin. Where the box was counts from an earlier one, unless that is long ago: so one who crawls is known
+ * better and better. */
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first)
 {
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)g->upkeep.made_for;
-    if (is_first || skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, g->upkeep.is_first ? HORIZON_MOST : 0);
+    if (is_first) start(g, slot, g->upkeep.is_first ? HORIZON_MOST : 0);
+    else if (skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, 0);
 }

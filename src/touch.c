@@ -121,12 +121,12 @@ int msap_grid_touch(const struct grid *g, struct job *job)
 /* -------------------------------------------------------------- candidates */
 
 /* Where there are many boxes, those of a candidate further on are fetched. */
-static inline void fetch_candidate(const struct box *boxes, const struct keys *c, size_t i)
+static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, size_t i, size_t last)
 {
     enum { AHEAD = 16 };
-    if (i + AHEAD >= c->n) return;
-    prefetch(&boxes[c->at[i + AHEAD] >> 32]);
-    prefetch(&boxes[near_slot((uint32_t)c->at[i + AHEAD])]);
+    if (i + AHEAD >= last) return;
+    prefetch(&boxes[c[i + AHEAD] >> 32]);
+    prefetch(&boxes[candidate_slot((uint32_t)c[i + AHEAD])]);
 }
 
 /* Settles candidates first ... last - 1; names those with a box that left. */
@@ -134,13 +134,13 @@ static void touch_candidates(void *context, struct worker *w, size_t first, size
 {
     const struct grid *g = context;
     const struct box *boxes = g->boxes->at;
-    const struct keys c = g->candidates;
+    uint64_t *c = g->candidates.at;
     int are_many = g->boxes->used > MANY_BOXES;
     w->settler.touched += last - first;
     for (size_t i = first; i < last; i++) {
-        uint32_t a = (uint32_t)(c.at[i] >> 32), entry = (uint32_t)c.at[i], b = near_slot(entry);
+        uint32_t a = (uint32_t)(c[i] >> 32), entry = (uint32_t)c[i], b = candidate_slot(entry);
         const struct box *p = &boxes[a], *q = &boxes[b];
-        if (are_many) fetch_candidate(boxes, &c, i);
+        if (are_many) fetch_candidate(boxes, c, i, last);
         int is = overlap(&p->now, &q->now), left = (p->flags | q->flags) & BOX_LEFT;
         if ((is == (int)(entry >> 31)) & !left || entry & NEAR_GONE) continue;
         if (left) {
@@ -158,7 +158,7 @@ static int hand_over_named(struct grid *g, const struct job *job)
     const struct keys *named = &job->worker->pairs;
     for (size_t i = 0; i < named->n; i++) {
         uint64_t *c = &g->candidates.at[named->at[i]];
-        uint32_t a = (uint32_t)(*c >> 32), b = near_slot((uint32_t)*c);
+        uint32_t a = (uint32_t)(*c >> 32), b = candidate_slot((uint32_t)*c);
         if (!msap_near_join(&g->near, &g->near.pool, job->memory, a, b, (*c & NEAR_PAIR) != 0)) return 0;
         *c |= NEAR_GONE;
     }
@@ -180,17 +180,17 @@ static void tell_candidates(void *context, struct worker *w, size_t first, size_
 {
     const struct grid *g = context;
     const struct box *boxes = g->boxes->at;
-    const struct keys c = g->candidates;
+    uint64_t *c = g->candidates.at;
     int are_many = g->boxes->used > MANY_BOXES;
     for (size_t i = first; i < last; i++) {
-        const struct box *p = &boxes[c.at[i] >> 32], *q = &boxes[near_slot((uint32_t)c.at[i])];
+        const struct box *p = &boxes[c[i] >> 32], *q = &boxes[candidate_slot((uint32_t)c[i])];
         uint32_t both = p->flags & q->flags, either = p->flags | q->flags;
-        if (are_many) fetch_candidate(boxes, &c, i);
-        c.at[i] |= overlap(&p->now, &q->now) ? NEAR_PAIR : 0;
+        if (are_many) fetch_candidate(boxes, c, i, last);
+        c[i] |= overlap(&p->now, &q->now) ? NEAR_PAIR : 0;
         if ((both & BOX_LIVE) && !(either & BOX_LEFT)) continue;
         int are_near = (both & BOX_LIVE) && !(both & BOX_STATIC) && overlap(&p->fat, &q->fat);
         if (are_near) msap_worker_put(w, i);
-        else c.at[i] |= NEAR_GONE;
+        else c[i] |= NEAR_GONE;
     }
 }
 
@@ -216,7 +216,7 @@ static void tell(const struct grid *g, uint64_t pair, uint32_t is)
 static void tell_candidate(const struct grid *g, size_t i)
 {
     uint64_t *c = &g->candidates.at[i];
-    const struct box *p = &g->boxes->at[*c >> 32], *q = &g->boxes->at[near_slot((uint32_t)*c)];
+    const struct box *p = &g->boxes->at[*c >> 32], *q = &g->boxes->at[candidate_slot((uint32_t)*c)];
     *c = (*c & ~(uint64_t)NEAR_PAIR) | (overlap(&p->now, &q->now) ? NEAR_PAIR : 0);
 }
 

@@ -152,7 +152,7 @@ START_TEST(all_happens_between_the_steps)
             int times = 0;
             open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
             put_some(&w, 300, 0.08f, 2);
-            for (int frame = 0; frame < (is_free(&w) || step == NO_RENEWAL ? 24 : 0); frame++) {
+            for (int frame = 0; frame < (is_free(&w) || step == NO_RENEWAL ? 14 : 0); frame++) {
                 walk(&w, what == STOP ? 2 : 0);
                 if ((int)grid_of(&w)->renewal.next == step && frame > 1) happen(&w, times++ % 2 ? GO : what);
                 end_frame(&w);
@@ -176,6 +176,35 @@ START_TEST(slots_are_given_out_again)
         end_frame(&w);
     }
     right(session_close(&w.s));
+}
+END_TEST
+
+/* Before each step many boxes on a wide static ground go, and static ones come in their slots and places: two
+ * static boxes are never near, whatever the rows say of the slots. */
+START_TEST(boxes_freeze)
+{
+    for (int step = COUNT_ROWS; step <= CHANGE_SKINS; step++) {
+        walkers w;
+        int has_frozen = 0, waits = 0;
+        open_walk(&w, _i, 3, 12);
+        put(&w, box_of(-5, -5, -1, 40, 40, 3), 0, MSAP_STATIC);
+        for (int i = 0; i < 150; i++) put(&w, box_of(0.1f * (float)i, 1, 0, 0.1f * (float)i + 1, 2, 1), 0.02f, 0);
+        put_some(&w, 800, 0.03f, 0);
+        for (int frame = 0; frame < 8; frame++) {
+            walk(&w, 0);
+            if (waits > 0 && --waits == 0)
+                for (int i = 0; i < 110; i++)
+                    put(&w, box_of(0.1f * (float)i, 1, 0, 0.1f * (float)i + 1, 2, 1), 0, MSAP_STATIC);
+            if ((int)grid_of(&w)->renewal.next == step && !has_frozen && frame > 1) {
+                for (uint32_t i = 110; i > 0; i--) take_away(&w, i);
+                has_frozen = waits = 1;
+            }
+            end_frame(&w);
+        }
+        while (w.n > 700) take_away(&w, w.n - 1);
+        end_frame(&w);
+        right(session_close(&w.s));
+    }
 }
 END_TEST
 
@@ -314,7 +343,7 @@ START_TEST(broken_candidates)
     }
     struct grid *g = &w.s.world->grid;
     uint64_t *c = g->candidates.at, was = *c;
-    struct inner_box *p = &g->boxes->at[was >> 32], *q = &g->boxes->at[near_slot((uint32_t)was)];
+    struct inner_box *p = &g->boxes->at[was >> 32], *q = &g->boxes->at[candidate_slot((uint32_t)was)];
     ck_assert(g->in_skins && !(was & NEAR_GONE));
     *c ^= NEAR_PAIR;
     is_broken(&w, "a candidate is wrong about a pair");
@@ -351,6 +380,7 @@ int main(void)
     tcase_add_loop_test(tests, all_walk, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, slots_are_given_out_again, 0, SETUPS);
+    tcase_add_loop_test(tests, boxes_freeze, 0, SETUPS);
     tcase_add_loop_test(tests, rows_that_wrap_around_soon, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_walk, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_stop_and_walk_on, 0, SETUPS);
