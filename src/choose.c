@@ -30,16 +30,16 @@
 #include "internal.h"
 
 enum {
-    TRACK_MOVE = 240,      /* a box that is put elsewhere, */
-    TRACK_NEIGHBOUR = 10,  /* and each of its neighbours, */
-    TRACK_SEARCH = 8,      /* and, of so many, each in the list of each other */
-    TRACK_LEAVE = 90,      /* a box that leaves */
-    JUMP_BOX = 17,         /* a box when all are pruned, */
-    JUMP_PAIR = 3,         /* and a pair */
-    REBUILD_BOX = 43,      /* a box when all is made anew, */
+    TRACK_MOVE = 240,       /* a box that is put elsewhere, */
+    TRACK_NEIGHBOUR = 10,   /* and each of its neighbours, */
+    TRACK_SEARCH = 8,       /* and, of so many, each in the list of each other */
+    TRACK_LEAVE = 90,       /* a box that leaves */
+    JUMP_BOX = 17,          /* a box when all are pruned, */
+    JUMP_PAIR = 3,          /* and a pair */
+    REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
-    RENEW_BOX = 32,        /* a box when all get skins, */
-    RENEW_PAIR = 8         /* and a pair */
+    RENEW_BOX = 32,         /* a box when all get skins, */
+    RENEW_PAIR = 8          /* and a pair */
 };
 
 /* On recorded scenes neighbours are one and a half to five times as many as pairs, mostly twice. */
@@ -171,8 +171,8 @@ static void account(struct upkeep *u, int64_t moves, int64_t move)
     u->spent += moves;
 }
 
-/* How many boxes would leave their skins within so many commits if they moved on as in the last one: estimated from
- * some. */
+/* How many boxes would leave their skins within so many commits if they moved on as in the last one:
+ * estimated from some. */
 static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
 {
     enum { SAMPLES = 64 };

@@ -139,7 +139,8 @@ static const char *candidates_broken(const struct grid *g, size_t *pairs)
 {
     const struct box *boxes = g->boxes->at;
     for (size_t i = 0; i < g->candidates.n; i++) {
-        uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i], b = candidate_slot(entry);
+        uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i],
+                 b = candidate_slot(entry);
         if (entry & NEAR_GONE) continue;
         if (!rests(g, &boxes[a]) || !rests(g, &boxes[b])) return "a candidate does not rest";
         if (boxes[a].flags & boxes[b].flags & BOX_STATIC) return "two static boxes are candidates";

@@ -291,13 +291,14 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    struct keys notes;     /* entries of neighbour lists, slot << 32 | index, and of candidates, NONE << 32 | index, of
+    struct keys
+        notes;       /* of neighbour lists, slot << 32 | index, and candidates, NONE << 32 | index, the entries of
                               pairs that changed, each once */
-    int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
-    int lost;              /* 1: a list could not grow, something was lost */
-    int has_all_doomed;    /* 1: the doomed list holds every known pair */
-    int has_no_notes;      /* 1: there was no memory for all of them */
-    int are_events;        /* 1: both lists are sorted and without repeats */
+    int has_repeats; /* 1: a pair may be touched often, as by a single SAP */
+    int lost;        /* 1: a list could not grow, something was lost */
+    int has_all_doomed; /* 1: the doomed list holds every known pair */
+    int has_no_notes;   /* 1: there was no memory for all of them */
+    int are_events;     /* 1: both lists are sorted and without repeats */
     uint64_t touched, crossings;
 };
 
@@ -572,7 +573,7 @@ static inline uint32_t near_room(const struct near_list *l)
 }
 
 /* b is in the list of a exactly if a is in the list of b, and they are exactly if
- * the fat bounds of a and b overlap and not both are static. */
+ * the fat bounds of a and b overlap, not both are static and not both rest (near.c). */
 struct near_lists {
     struct near_list *of; /* [slots] */
     size_t room;
@@ -812,8 +813,8 @@ struct grid {
     int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
     int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
     int in_skins;   /* while is_resting: the rows hold boxes with their skins (renew.c) */
-    struct keys candidates; /* while in_skins: pairs of boxes that rest and whose skins overlap, a << 32 | entry for b */
-    uint32_t quiet;         /* while in_skins: in so many commits in a row so few boxes changed that skins do not pay */
+    struct keys candidates; /* while in_skins: boxes that rest and whose skins overlap, a << 32 | entry for b */
+    uint32_t quiet;         /* while in_skins: for how many commits so few changed that skins do not pay */
     struct renewal renewal;
     struct upkeep upkeep;
     int64_t gain;   /* in tests: what cells and lists have saved since they were made or could be again; or,
@@ -832,8 +833,8 @@ struct grid {
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
 
-/* Whether a box rests: it is in no cell, and the rows hold it, as it was at the last commit or with its skin. One that
- * was removed does until the commit is over. */
+/* Whether a box rests: it is in no cell, and the rows hold it, as it was at the last commit or with its
+ * skin. One that was removed does until the commit is over. */
 static inline int rests(const struct grid *g, const struct box *b)
 {
     return g->is_resting && b->level == NO_LEVEL && (b->flags & BOX_WAS);
@@ -882,8 +883,6 @@ int msap_exponent_for(double value);
 double msap_cells_on(const struct spread *s);
 uint32_t msap_count_for(double cells);
 int msap_is_outgrown(size_t chosen_for, size_t boxes);
-
-
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);

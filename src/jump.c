@@ -109,10 +109,11 @@ static int are_only_removed(const struct box_table *t)
     return n == t->n_changed;
 }
 
-/* Counts the boxes of all rows, of which the set holds nothing any more. Returns 0 without memory, and UNSUITED where
- * there are many wide boxes. */
+/* Counts the boxes of all rows, of which the set holds nothing any more. Returns 0 without memory, and
+ * UNSUITED where there are many wide boxes. */
 static int count_all(struct grid *g, struct job *job, struct pruning *p)
 {
+    enum { COMMITS = 16 };
     const struct pruning all = {.job = job,
                                 .rows = &g->rows,
                                 .set = &g->row_set,
@@ -123,7 +124,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     if (job->boxes->used > ROW_NEW) /* GCOVR_EXCL_BR_LINE: 2^28 boxes, and a slot has no bits to spare */
         return UNSUITED;            /* GCOVR_EXCL_LINE: the same */
     *p = all;
-    msap_rows_choose(&g->rows, job->boxes, g->commit);
+    msap_rows_choose(&g->rows, job->boxes, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
     g->n_wide = p->n_wide;
     if (p->n_wide > MOST_WIDE) return UNSUITED;
@@ -157,8 +158,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
     return 1;
 }
 
-/* Between commits: sorts all boxes into rows as a jump would, so that they can rest in them. Returns 0 without memory,
- * and where there are many wide boxes. */
+/* Between commits: sorts all boxes into rows as a jump would, so that they can rest in them. Returns 0
+ * without memory, and where there are many wide boxes. */
 int msap_grid_prune_only(struct grid *g, struct job *job)
 {
     struct pruning p;

@@ -152,8 +152,8 @@ static int join(struct grid *g, const struct job *job, const struct region *own,
     return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
 }
 
-/* Tags those of n boxes found that are near. What rows say of a slot may be of another box than the one that has it now: so
- * two may be static. */
+/* Tags those of n boxes found that are near. What rows say of a slot may be of another box than the one
+ * that has it now: so two may be static. */
 static void tag_near(struct worker *w, const struct box *box, uint32_t slot, size_t n)
 {
     msap_worker_new_token(w);

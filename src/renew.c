@@ -71,10 +71,11 @@ static struct pruning pruning_of(struct grid *g, struct job *job)
 /* The first half. Returns 0 without memory, and where there are many wide boxes. */
 static int count_rows(struct grid *g, struct job *job)
 {
+    enum { COMMITS = 256 };
     struct renewal *r = &g->renewal;
     struct pruning p = pruning_of(g, job);
     r->rows = g->rows;
-    msap_rows_choose(&r->rows, job->boxes, g->commit);
+    msap_rows_choose(&r->rows, job->boxes, g->commit, COMMITS);
     if (!msap_rows_count(&p, &r->words) || p.n_wide > MOST_WIDE) return 0;
     for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     r->order = p.order;
@@ -118,8 +119,8 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
     msap_rows_sweep(&r->set, &r->rows, g->sweep_row, first, last, take, NULL, w);
 }
 
-/* Where rows wrap around so soon that two boxes may meet at both ends, some pairs are found twice: drops those. Returns
- * 0 without memory. */
+/* Where rows wrap around so soon that two boxes may meet at both ends, some pairs are found twice: drops
+ * those. Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
@@ -141,10 +142,11 @@ static int find_candidates(struct grid *g, struct job *job)
 
 /* ------------------------------------------------------------------- step 4 */
 
-/* All boxes leave cells and lists, and what was made takes the place of what there is. Returns 0 without memory. */
+/* All boxes leave cells and lists, and what was made takes the place of what there is. Returns 0 without
+ * memory. */
 static int change_over(struct grid *g, struct job *job)
 {
-    enum { SHARE = 8, COMMITS = 64 }; /* so many boxes are expected in cells; and the layout is old */
+    enum { SHARE = 8, COMMITS = 256 }; /* so many boxes are expected in cells; and the layout is old */
     struct renewal *r = &g->renewal;
     struct layout *l = &g->layout[g->current];
     const struct row_set set = g->row_set;
@@ -197,12 +199,14 @@ static int install(struct grid *g, struct job *job)
 
 /* ---------------------------------------------------------------- the whole */
 
-/* The next step. Without memory, and where there are many wide boxes, the skins to come are given up; in the last step,
- * all that is kept. */
+/* The next step. Without memory, and where there are many wide boxes, the skins to come are given up; in
+ * the last step, all that is kept. */
 void msap_renewal_go_on(struct grid *g, struct job *job)
 {
-    static int (*const steps[])(struct grid * g, struct job * job) = {
-        [COUNT_ROWS] = count_rows, [FILL_ROWS] = fill_rows, [SWEEP_ROWS] = find_candidates, [CHANGE_SKINS] = install};
+    static int (*const steps[])(struct grid * g, struct job * job) = {[COUNT_ROWS] = count_rows,
+                                                                      [FILL_ROWS] = fill_rows,
+                                                                      [SWEEP_ROWS] = find_candidates,
+                                                                      [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
     g->renewal.next = NO_RENEWAL;
     int done = steps[now](g, job);
@@ -219,8 +223,8 @@ void msap_renewal_begin(struct grid *g, struct job *job)
     if (g->renewal.next == NO_RENEWAL) msap_renewal_failed(g);
 }
 
-/* All steps, after a jump. When a world is loaded skins are made for any motion, and where boxes have many pairs that would
- * be dear. */
+/* All steps, after a jump. When a world is loaded skins are made for any motion, and where boxes have many
+ * pairs that would be dear. */
 void msap_renewal_at_once(struct grid *g, struct job *job)
 {
     enum { MANY = 12 };

@@ -12,8 +12,8 @@
  * A box of the last commit that is in no cell rests: the rows hold it as it was then. Two
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
  * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
- * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what two boxes are to each
- * other candidates tell.
+ * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what two
+ * boxes are to each other candidates tell.
  *
  * Rows are sorted by where boxes start. So that those can be found that reach a place, `reach` tells of each
  * REACH boxes of a row where they and those before them in the row end at most, which only grows along
@@ -92,9 +92,9 @@ static size_t ask_row(const struct grid *g, struct worker *w, const struct row_q
     return n;
 }
 
-/* Writes behind the first n that the worker has found the boxes that rest, have all of the flags and whose bounds in the rows
- * overlap `where`; for a static box those that are not static. In most cases each is written
- * once. Returns how many are found then, or SIZE_MAX without room. */
+/* Writes behind the first n that the worker has found the boxes that rest, have all of the flags and whose
+ * bounds in the rows overlap `where`; for a static box those that are not static. In most cases each is
+ * written once. Returns how many are found then, or SIZE_MAX without room. */
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)
 {

@@ -52,11 +52,10 @@ static void choose_rows(struct rows *r, const struct box_table *boxes, uint32_t 
     r->chosen_at = commit;
 }
 
-/* Chooses rows if those there are do not suit the boxes any more, or are old. */
-void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit)
+/* Chooses rows if those there are do not suit the boxes any more, or are older than so many commits. */
+void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit, uint32_t most)
 {
-    enum { COMMITS = 16 };
-    if (msap_is_outgrown(r->chosen_for, boxes->live) || commit - r->chosen_at > COMMITS)
+    if (msap_is_outgrown(r->chosen_for, boxes->live) || commit - r->chosen_at > most)
         choose_rows(r, boxes, commit);
 }
 
@@ -239,8 +238,7 @@ static int place_arrays(struct pruning *j, struct scratch *words)
 {
     size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
     uint64_t *at = msap_scratch_get(words, j->job->memory, words_of(j));
-    if (!at ||
-        !msap_memory_reserve(j->job->memory, &j->set->end, &j->set->room_end, rows, 0, sizeof *j->set->end))
+    if (!at || !msap_memory_reserve(j->job->memory, &j->set->end, &j->set->room_end, rows, 0, sizeof *j->set->end))
         return 0;
     j->order = at;
     j->range = (struct row_range *)(void *)(at + slots);

@@ -91,7 +91,7 @@ static inline const struct bounds *bounds_to_prune(const struct pruning *p, uint
 /* Receives pairs that are found. */
 typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
 
-void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit);
+void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);
 int msap_rows_sort(struct pruning *p);
 void msap_rows_fill(struct pruning *p);

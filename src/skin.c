@@ -50,8 +50,8 @@ static int is_new(const struct box_table *t, uint32_t slot)
     return t->past[slot].before.min[0] > t->past[slot].before.max[0];
 }
 
-/* Where a box was before it moved in this commit or, between commits, in the last one. One that was not there has not
- * moved. */
+/* Where a box was before it moved in this commit or, between commits, in the last one. One that was not
+ * there has not moved. */
 static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
 {
     uint32_t epoch = t->n_changed == 0 ? t->epoch - 1 : t->epoch;
@@ -328,8 +328,8 @@ struct readable {
     int32_t fourth;
 };
 
-/* Makes the skin of a box, to last as long as all others', between commits. A box that is new may move anywhere; one that stands
- * still may tremble; and a step of floats that are far apart is soon made. */
+/* Makes the skin of a box, to last as long as all others', between commits. A box that is new may move
+ * anywhere; one that stands still may tremble; and a step of floats that are far apart is soon made. */
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
@@ -340,7 +340,7 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
     struct motion m = motion_of(g, slot);
     float horizon = reach(&m, (float)g->upkeep.horizon), aside = m.step * horizon * (float)b->wobble / 8;
     int came = b->changed_in == g->boxes->epoch - 1 && is_new(g->boxes, slot);
-    float least = m.size / (came ? 4 : 32);
+    float least = m.size * (came ? 12 : 1) / 32;
     if (!(m.size < FAR)) return;
     reach_out(&skin.bounds, &m, horizon, aside > least ? aside : least);
     for (int k = 0; k < 3; k++) {
@@ -362,8 +362,8 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
 }
 
 /* The skin of a box that it got with all others starts; those that are the first a world gets count as old, as
- * any first skin. Where the box was counts from an earlier one, unless that is long ago: so one who crawls is known
- * better and better. */
+ * any first skin. Where the box was counts from an earlier one, unless that is long ago: so one who crawls
+ * is known better and better. */
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first)
 {
     struct box *b = &g->boxes->at[slot];

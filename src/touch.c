@@ -174,8 +174,8 @@ int msap_touch_candidates(struct grid *g, struct job *job)
            hand_over_named(g, job);
 }
 
-/* Lets candidates first ... last - 1, which are new, know whether they are pairs. Their boxes may be others by now than
- * those that were swept: such are on the list of those that left. */
+/* Lets candidates first ... last - 1, which are new, know whether they are pairs. Their boxes may be
+ * others by now than those that were swept: such are on the list of those that left. */
 static void tell_candidates(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct grid *g = context;

@@ -24,8 +24,8 @@
  *
  * Boxes that rest (rest.c) are in no cell, but are found in step 3. One of them that changes
  * or is removed settles first what it was to the others, which no list tells; then it
- * is taken as one that is new. If they rest in skins (renew.c), only one that leaves its skin goes elsewhere, and what it was to
- * the others, its candidates, goes over to lists first.
+ * is taken as one that is new. If they rest in skins (renew.c), only one that leaves its skin goes
+ * elsewhere, and what it was to the others, its candidates, goes over to lists first.
  *
  * Where there are many of them, steps 2 to 4 are shared by all workers (share.c), and step 5
  * is. Where too many boxes would have to be put elsewhere, one by one is not the way
@@ -306,8 +306,8 @@ static void rest_loaded(struct grid *g, struct job *job)
     if (!done || !move_all(g, job, t->left, n, NULL)) msap_grid_empty(g, job->memory);
 }
 
-/* Boxes that rest in skins while few of them change rest from now on as they are, until they do. Without memory that is
- * left to later. */
+/* Boxes that rest in skins while few of them change rest from now on as they are, until they do. Without
+ * memory that is left to later. */
 static void rest_without_skins(struct grid *g, struct job *job)
 {
     int done = msap_grid_prune_only(g, job) && begin_resting(g, job, job->boxes->live / 8);

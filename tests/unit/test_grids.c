@@ -569,7 +569,7 @@ static uint64_t sweeps_of_a_drift(int n)
         ok(msap_commit(world, NULL, NULL));
         sweeps = frame == 8 ? stats_of(world).sweeps : sweeps;
         for (i = 0; i < n; i++) {
-            bounds[i].min[i % 3] += 0.075f;
+            bounds[i].min[i % 3] += 0.085f;
             bounds[i].max[i % 3] = bounds[i].min[i % 3] + 1;
         }
         ok(msap_update_many(world, (size_t)n, names, &boxes));
