@@ -1,14 +1,15 @@
 /* Choosing how a Multi-SAP's commit goes: boxes put elsewhere one by one (track.c), all
  * cells and lists made anew (rebuild.c), or all boxes pruned and nothing kept (jump.c) but
- * the rows, in which they rest if few of them move then (rest.c).
+ * the rows, in which they rest if few of them move then (rest.c); and whether all get new
+ * skins after it (renew.c).
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
  * What each way costs is estimated from counts alone, so that every run can be repeated.
  * The unit is the test of a neighbour, some 3 nanoseconds; the weights are from recorded
- * scenes, and bench/strategies measures them on made ones. What an event costs is much the
- * same in all ways and stands in none.
+ * scenes, and bench/strategies measures them on made ones (but for those of a renewal, which are from
+ * the times of its steps). What an event costs is much the same in all ways and stands in none.
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
  * done as one who skis for an unknown number of days should rent or buy: they are made
@@ -22,6 +23,12 @@
  * When so many boxes leave their places in one commit that it is cheaper to make all anew,
  * that is done if cells and lists have paid since they were made and will, or else all is
  * pruned.
+ *
+ * Renewals take the place of cells in worlds of 256 boxes or more, unless many boxes are wide. A
+ * world is put into skins when it is loaded, before any motion is known, and gets others as soon
+ * as it is. From then on skins are renewed when boxes are about to leave them faster than is worth
+ * it, which is told from how some of them move. When skins do not last, all is pruned for a while,
+ * and for twice as long after the next time. When few boxes move, they rest without skins.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -38,7 +45,7 @@ enum {
     JUMP_PAIR = 3,          /* and a pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
-    RENEW_BOX = 32,         /* a box when all get skins, */
+    RENEW_BOX = 32,         /* a box when all get new skins, */
     RENEW_PAIR = 8          /* and a pair */
 };
 

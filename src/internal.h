@@ -291,11 +291,9 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    struct keys
-        notes;       /* of neighbour lists, slot << 32 | index, and candidates, NONE << 32 | index, the entries of
-                              pairs that changed, each once */
-    int has_repeats; /* 1: a pair may be touched often, as by a single SAP */
-    int lost;        /* 1: a list could not grow, something was lost */
+    struct keys notes;  /* where lists, slot << 32 | index, or candidates, NONE << 32 | index, tell of a change */
+    int has_repeats;    /* 1: a pair may be touched often, as by a single SAP */
+    int lost;           /* 1: a list could not grow, something was lost */
     int has_all_doomed; /* 1: the doomed list holds every known pair */
     int has_no_notes;   /* 1: there was no memory for all of them */
     int are_events;     /* 1: both lists are sorted and without repeats */
