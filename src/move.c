@@ -152,19 +152,14 @@ static int join(struct grid *g, const struct job *job, const struct region *own,
     return msap_near_join(&g->near, room, job->memory, slot, other, were_pair(job->boxes, slot, other));
 }
 
-/* Tags those of n boxes found that are near. What rows say of a slot may be of another box than the one
- * that has it now: so two may be static. */
+/* Tags those of n boxes found that are near. */
 static void tag_near(struct worker *w, const struct box *box, uint32_t slot, size_t n)
 {
     msap_worker_new_token(w);
     const struct box self = box[slot];
     const uint32_t *found = w->found, token = w->token;
     uint32_t *tag = w->tag;
-    for (size_t i = 0; i < n; i++) {
-        const struct box *b = &box[found[i]];
-        int is_near = overlap(&self.fat, &b->fat) & !(self.flags & b->flags & BOX_STATIC);
-        tag[found[i]] = is_near ? token : tag[found[i]];
-    }
+    for (size_t i = 0; i < n; i++) tag[found[i]] = overlap(&self.fat, &box[found[i]].fat) ? token : tag[found[i]];
     tag[slot] = token + 1; /* it finds itself */
 }
 
@@ -187,7 +182,8 @@ static int renew_list(struct grid *g, const struct job *job, const struct region
     return 1;
 }
 
-/* Whether two boxes are neighbours. */
+/* Whether two boxes are neighbours. Two may be static: when rows change, what they say of a slot may be
+ * of another box than has it now, and until that one is put elsewhere it is found. */
 int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 {
     const struct grid *g = grid;

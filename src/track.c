@@ -85,12 +85,10 @@ static int leave(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct near_list *l = &g->near.of[slot];
     struct box *b = &job->boxes->at[slot];
-    if (rests(g, b) && g->in_skins) {
-        box_forget_place(b);
-    } else if (!rests(g, b)) {
+    if (!rests(g, b)) {
         msap_grid_take(g, job->memory, slot, is_static(b), range_of(&g->layout[b->layout], &b->fat));
         box_forget_place(b);
-    } else if (!msap_rest_part(g, job, slot)) {
+    } else if (!g->in_skins && !msap_rest_part(g, job, slot)) {
         return 0;
     }
     for (uint32_t i = 0; i < l->n; i++) {
@@ -153,9 +151,8 @@ static int leave_together(struct grid *g, const struct job *job, size_t gone)
     for (size_t i = 0; i < gone; i++) {
         uint32_t slot = job->boxes->left[i];
         w->tag[slot] = w->token;
-        if (rests(g, &job->boxes->at[slot]) && g->in_skins) box_forget_place(&job->boxes->at[slot]);
-        else if (!rests(g, &job->boxes->at[slot])) forget_cells(g, &job->boxes->at[slot]);
-        else if (!msap_rest_part(g, job, slot)) return 0;
+        if (!rests(g, &job->boxes->at[slot])) forget_cells(g, &job->boxes->at[slot]);
+        else if (!g->in_skins && !msap_rest_part(g, job, slot)) return 0;
     }
     leave_lists(g, job);
     for (int i = 0; i < 2; i++)
@@ -320,8 +317,7 @@ void msap_grid_prepare(struct grid *g, struct job *job)
     enum { LONG = 4 };
     if (g->will_rest) rest_loaded(g, job);
     if (g->will_renew && g->is_jumping) msap_renewal_at_once(g, job);
-    else if (!g->is_tracking) g->renewal.next = NO_RENEWAL;
     else if (g->quiet > (g->upkeep.is_first ? 0 : LONG)) rest_without_skins(g, job);
     else if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
-    else if (msap_renewal_is_due(g, job)) msap_renewal_begin(g, job);
+    else if (g->is_tracking && msap_renewal_is_due(g, job)) msap_renewal_begin(g, job);
 }
