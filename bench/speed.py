@@ -167,21 +167,12 @@ def rest_table(results):
     yield from claims.table(["1,000,000 boxes", "a commit"], rows)
 
 
-def memory_line(results, kind):
-    """Bytes of a box that has no candidate pairs and of a candidate pair: the line through sparse and crowded boxes."""
-    rows = (results.count["memory"]["1,000,000 moving, " + scene] for scene in ("sparse", "crowded"))
-    (x, y), (x_more, y_more) = ((row["candidate pairs a box"], row["bytes a box, " + kind]) for row in rows)
-    slope = (y_more - y) / (x_more - x)
-    return claims.number(y - x * slope), claims.number(slope)
-
-
 def memory_lines(results):
     yield from claims.count_table(results, "memory")
     yield from claims.paragraph(
         "By the library's own count: the most that it ever held, with room to grow, an eighth of each array, and what "
-        "it holds after `msap_trim`, until the next commit makes cells and lists anew. From the sparse boxes to the crowded ones, a moving box takes %s bytes (trimmed: %s), and %s "
-        "(%s) more for each candidate pair, a pair whose skins overlap."
-        % sum(zip(*(memory_line(results, kind) for kind in ("peak", "trimmed"))), ()))
+        "it holds after `msap_trim`, until the next commit makes all that it keeps anew. Where most boxes move, rows and "
+        "candidate pairs, pairs whose skins overlap, are held twice, since new ones are made while the present ones serve.")
 
 
 def measured(results, replays, traces, modes, rounds):
