@@ -152,6 +152,16 @@ static int may_renew(const struct grid *g, const struct job *job)
 
 static int64_t cost_of_candidates(int64_t n) { return n * 3 / 2; }
 
+/* Whether a quarter of the boxes or more have moved: estimated from some of those that changed. */
+static int do_many_move(const struct box_table *t)
+{
+    enum { SAMPLES = 64, SHARE = 4 };
+    size_t step = t->n_changed / SAMPLES + 1, n = 0;
+    for (size_t i = 0; i < t->n_changed; i += step)
+        n += (t->at[t->changed[i]].flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS);
+    return n * step * SHARE >= t->live;
+}
+
 /* What a commit would cost if they were, over and over. */
 static int64_t foreseen_upkeep(const struct grid *g, const struct job *job)
 {
@@ -240,7 +250,7 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     if (!may_renew(g, job)) return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
     int is_sure = upkeep < c->jump * 3 / 4 && g->doubt < ONE / 2;
     g->upkeep.is_first = 0;
-    g->will_renew = is_sure || g->gain > cost_of_renewal(job);
+    g->will_renew = (is_sure || g->gain > cost_of_renewal(job)) && do_many_move(job->boxes);
     return JUMP_OR_REBUILD;
 }
 

@@ -295,6 +295,24 @@ START_TEST(boxes_stop_and_walk_on)
 }
 END_TEST
 
+/* Boxes that come and go but do not move get no skins: a level is loaded, half of it goes, more of it comes. */
+START_TEST(who_does_not_move_needs_no_skin)
+{
+    walkers w;
+    if (!chooses(_i)) return;
+    open_walk(&w, _i, 3, 13);
+    put_some(&w, 800, 0.05f, 11);
+    end_frame(&w);
+    for (int i = 0; i < 400; i++) take_away(&w, random_below(&w.s.random, w.n));
+    end_frame(&w);
+    ck_assert(!grid_of(&w)->in_skins);
+    put_some(&w, 400, 0.05f, 11);
+    end_frame(&w);
+    ck_assert(!grid_of(&w)->in_skins);
+    right(session_close(&w.s));
+}
+END_TEST
+
 /* Trimmed between the steps, or emptied. */
 START_TEST(memory_is_given_back_between_the_steps)
 {
@@ -399,6 +417,7 @@ int main(void)
     tcase_add_loop_test(tests, rows_that_wrap_around_soon, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_walk, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_stop_and_walk_on, 0, SETUPS);
+    tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
     tcase_add_test(tests, broken_candidates);
