@@ -133,6 +133,14 @@ static inline void last_error(const msap_world *world, msap_status status, uint6
     ck_assert_uint_eq(error.bound, bound);
 }
 
+/* The validator must say this of a world. */
+static inline void is_broken(const msap_world *world, const char *sentence)
+{
+    const char *what = NULL;
+    refused(msap_validate(world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, sentence);
+}
+
 /* Runs the tests of one case; what main returns. There is no time limit: how long
  * a test takes says nothing about whether it passes. */
 static inline int run_case(TCase *tests, const char *name)
