@@ -41,6 +41,8 @@ enum {
     TRACK_NEIGHBOUR = 10,   /* and each of its neighbours, */
     TRACK_SEARCH = 8,       /* and, of so many, each in the list of each other */
     TRACK_LEAVE = 90,       /* a box that leaves */
+    STRAY_MOVE = 130,       /* a box in a skin that is put elsewhere, */
+    STRAY_CANDIDATE = 11,   /* and each of its candidates */
     JUMP_BOX = 17,          /* a box when all are pruned, */
     JUMP_PAIR = 3,          /* and a pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
@@ -152,6 +154,13 @@ static int may_renew(const struct grid *g, const struct job *job)
 
 static int64_t cost_of_candidates(int64_t n) { return n * 3 / 2; }
 
+/* What it costs to put a box elsewhere that has left its skin. */
+static int64_t cost_of_stray(const struct grid *g, const struct job *job)
+{
+    int64_t boxes = (int64_t)job->boxes->live + 1, of_a_box = 2 * (int64_t)g->candidates.n / boxes;
+    return (STRAY_MOVE + of_a_box * STRAY_CANDIDATE) * dearness((size_t)boxes) / ONE;
+}
+
 /* Whether a quarter of the boxes or more have moved: estimated from some of those that changed. */
 static int do_many_move(const struct box_table *t)
 {
@@ -180,12 +189,12 @@ void msap_upkeep_begins(struct grid *g)
     g->upkeep.spent = 0;
 }
 
-/* To put boxes elsewhere costs so much in this commit, and so much for one. */
-static void account(struct upkeep *u, int64_t moves, int64_t move)
+/* n boxes are put elsewhere in this commit, each of which costs so much. */
+static void account(struct upkeep *u, int64_t n, int64_t move)
 {
     u->move = move;
-    u->moves = moves;
-    u->spent += moves;
+    u->moves = n * move;
+    u->spent += u->moves;
 }
 
 /* How many boxes would leave their skins within so many commits if they moved on as in the last one:
@@ -306,10 +315,14 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
         leaving += !(b->flags & BOX_LIVE);
         early += (b->level != NO_LEVEL || rests(g, b)) && skin_age(b, g) < HORIZON_MOST;
     }
-    c.track = cost_of_tracking(job, (int64_t)misplaced - leaving, leaving);
-    int64_t touches = cost_of_tracking(job, 0, 0), moves = c.track - touches;
-    if (g->in_skins) c.track = moves + cost_of_candidates((int64_t)g->candidates.n);
-    account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - touches);
+    int64_t moves = (int64_t)misplaced - leaving;
+    if (g->in_skins) {
+        account(&g->upkeep, moves, cost_of_stray(g, job));
+        c.track = g->upkeep.moves + cost_of_candidates((int64_t)g->candidates.n);
+    } else {
+        account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - cost_of_tracking(job, 0, 0));
+        c.track = cost_of_tracking(job, moves, leaving);
+    }
     if (t->live <= FEW) return TRACK;
     return g->in_skins ? choose_in_skins(g, job, &c, early) : choose_tracked(g, job, &c, early);
 }

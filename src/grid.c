@@ -65,6 +65,7 @@ void msap_grid_init(struct grid *g, const msap_config *config, struct box_table 
     g->upkeep.horizon = HORIZON_START;
     g->sweep = msap_sweep_for(config->simd);
     g->sweep_row = msap_sweep_row_for(config->simd);
+    g->ask_row = msap_ask_row_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
     msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }

@@ -23,8 +23,10 @@ void msap_grid_count(const struct grid *g, msap_world_stats *stats)
     for (int i = 0; i < 2; i++) count_cells(&g->layout[i], stats);
     for (size_t slot = 0; slot < g->slots; slot++) neighbours += g->near.of[slot].n;
     stats->candidates = neighbours / 2;
-    for (size_t i = 0; i < g->candidates.n; i++) stats->candidates += !(g->candidates.at[i] & NEAR_GONE);
+    stats->candidates += g->candidates.n;
 }
+
+static int is_in_grid(const struct grid *g, const struct box *b) { return b->level != NO_LEVEL || rests(g, b); }
 
 /* ------------------------------------------------------------------- cells */
 
@@ -134,23 +136,6 @@ static const char *list_broken(const struct grid *g, uint32_t slot, uint64_t *ma
     return NULL;
 }
 
-/* Adds the pairs among the candidates to *pairs. */
-static const char *candidates_broken(const struct grid *g, size_t *pairs)
-{
-    const struct box *boxes = g->boxes->at;
-    for (size_t i = 0; i < g->candidates.n; i++) {
-        uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i],
-                 b = candidate_slot(entry);
-        if (entry & NEAR_GONE) continue;
-        if (!rests(g, &boxes[a]) || !rests(g, &boxes[b])) return "a candidate does not rest";
-        if (boxes[a].flags & boxes[b].flags & BOX_STATIC) return "two static boxes are candidates";
-        if (!overlap(&boxes[a].fat, &boxes[b].fat)) return "the skins of candidates do not overlap";
-        if (((entry & NEAR_PAIR) != 0) != were_pair(g->boxes, a, b)) return "a candidate is wrong about a pair";
-        *pairs += (entry & NEAR_PAIR) != 0;
-    }
-    return NULL;
-}
-
 /* Whether the two boxes of a pair rest as they are: then they are no neighbours. */
 static int both_rest(const struct grid *g, const msap_pair *pair)
 {
@@ -168,10 +153,37 @@ static const char *lists_broken(const struct grid *g, const struct pair_table *p
         if (broken) return broken;
     }
     if (marks != 0) return "a box is a neighbour, but not the other way round";
-    for (size_t i = 0; i < pairs->active && !g->in_skins; i++) in_lists += both_rest(g, &pairs->at[i]);
-    const char *broken = candidates_broken(g, &in_lists);
-    if (broken) return broken;
-    return in_lists == pairs->active ? NULL : "a pair are neither neighbours nor candidates";
+    for (size_t i = 0; i < pairs->active; i++) in_lists += both_rest(g, &pairs->at[i]);
+    return in_lists == pairs->active ? NULL : "a pair are no neighbours";
+}
+
+/* -------------------------------------------------------------- candidates */
+
+static const char *candidate_broken(const struct grid *g, uint32_t a, uint32_t entry)
+{
+    uint32_t b = near_slot(entry);
+    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
+    if (a >= g->boxes->used || b >= g->boxes->used || !is_in_grid(g, p) || !is_in_grid(g, q))
+        return "a candidate is not in the grid";
+    if (p->flags & q->flags & BOX_STATIC) return "two static boxes are candidates";
+    if (!overlap(&p->fat, &q->fat)) return "the skins of candidates do not overlap";
+    if (((entry & NEAR_PAIR) != 0) != were_pair(g->boxes, a, b)) return "a candidate is wrong about a pair";
+    return NULL;
+}
+
+/* While boxes rest in skins. */
+static const char *candidates_broken(const struct grid *g, const struct pair_table *pairs)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < g->candidates.n; i++) {
+        uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i];
+        const char *broken = candidate_broken(g, a, entry);
+        if (broken) return broken;
+        found += (entry & NEAR_PAIR) != 0;
+    }
+    for (size_t slot = 0; slot < g->slots; slot++)
+        if (g->near.of[slot].n > 0) return "a box in a skin has a list";
+    return found == pairs->active ? NULL : "a pair are no candidates";
 }
 
 /* The first broken invariant of a grid that is up to date with the last commit, or
@@ -180,11 +192,12 @@ const char *msap_grid_broken(const struct grid *g, const struct box_table *boxes
 {
     for (uint32_t slot = 0; slot < boxes->used; slot++) {
         const struct box *b = &boxes->at[slot];
-        int is_in = b->level != NO_LEVEL || rests(g, b);
+        int is_in = is_in_grid(g, b);
         if (is_in != ((b->flags & BOX_WAS) != 0)) return "the grid holds other boxes than the last commit";
         if (is_in && !contains(&b->fat, box_before(boxes, slot))) return "a box is outside its fat bounds";
     }
     const char *broken = g->is_resting ? msap_rest_broken(g) : NULL;
     if (!broken) broken = cells_broken(g, boxes);
-    return broken ? broken : lists_broken(g, pairs);
+    if (broken) return broken;
+    return g->in_skins ? candidates_broken(g, pairs) : lists_broken(g, pairs);
 }

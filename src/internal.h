@@ -291,12 +291,12 @@ struct settler {
     struct memory *memory; /* to grow the lists; NULL on a worker, which may not */
     struct keys fresh;     /* pairs that overlap now and did not before; repeats until sorted */
     struct keys doomed;    /* pairs that overlapped before and do not now; as many fit as there are pairs */
-    struct keys notes;  /* where lists, slot << 32 | index, or candidates, NONE << 32 | index, tell of a change */
-    int has_repeats;    /* 1: a pair may be touched often, as by a single SAP */
-    int lost;           /* 1: a list could not grow, something was lost */
-    int has_all_doomed; /* 1: the doomed list holds every known pair */
-    int has_no_notes;   /* 1: there was no memory for all of them */
-    int are_events;     /* 1: both lists are sorted and without repeats */
+    struct keys notes;     /* where lists, slot << 32 | index, tell of a change */
+    int has_repeats;       /* 1: a pair may be touched often, as by a single SAP */
+    int lost;              /* 1: a list could not grow, something was lost */
+    int has_all_doomed;    /* 1: the doomed list holds every known pair */
+    int has_no_notes;      /* 1: there was no memory for all of them */
+    int are_events;        /* 1: both lists are sorted and without repeats */
     uint64_t touched, crossings;
 };
 
@@ -456,6 +456,7 @@ struct worker {
     uint32_t token;
     size_t slots; /* that tags are ready for */
     size_t room_found, room_tag;
+    size_t wanted; /* room to find that it lacked last */
 };
 
 /* Worker 0 is the calling thread; workers 1 ... size, if size > 1, run the tasks of
@@ -549,11 +550,7 @@ enum {
  * pair, since the last commit. What of this changes in a commit is noted by the settler. */
 #define NEAR_PAIR 0x80000000u
 
-/* In that of a candidate (renew.c), besides: it is none any more, a box of it rests no longer. */
-#define NEAR_GONE 0x40000000u
-
 static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
-static inline uint32_t candidate_slot(uint32_t entry) { return entry & ~(NEAR_PAIR | NEAR_GONE); }
 
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
@@ -741,7 +738,7 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
 
 /* Where the sweep of a row stands: entry i is to be tested against those from j on that are
- * before `end`, the row's, and then the others before `last`. */
+ * before `end`, the row's, and then the others before `last`. Of a question only i and `end` mean something. */
 struct row_sweep {
     uint32_t i, j, last, end;
 };
@@ -751,15 +748,21 @@ struct row_question {
     int32_t min[3], max[3]; /* by axis of the rows */
     uint32_t lacks;         /* marks that what is taken has */
     uint16_t flags;         /* and flags of its box */
+    uint32_t self;          /* the slot of the box that asks */
 };
-enum { ENTRIES_ASKED = 16 }; /* at a time */
-size_t msap_ask_entries(const struct row_set *set, const struct row_question *q, uint32_t first, uint32_t end,
-                        uint32_t *out);
-
 /* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
  * taken. */
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 sweep_row_fn msap_sweep_row_for(uint32_t simd);
+
+enum { ENTRIES_ASKED = 64 }; /* at a time */
+
+/* Goes on with a question to a row: finds, among the next ENTRIES_ASKED entries from i on, those that have the
+ * marks and overlap the bounds. Gives their slots, and writes up to FOUND_SLACK more behind them; returns how many
+ * they are. i is `end` then if no other entry can overlap. */
+typedef size_t (*ask_row_fn)(const struct row_set *set, const struct row_question *q, struct row_sweep *at,
+                             uint32_t *out);
+ask_row_fn msap_ask_row_for(uint32_t simd);
 
 /* Skins, rows and candidates to come (renew.c). */
 enum renewal_step { NO_RENEWAL, COUNT_ROWS, FILL_ROWS, SWEEP_ROWS, CHANGE_SKINS };
@@ -773,7 +776,6 @@ struct renewal {
     uint64_t *order;      /* the same, */
     struct row_range *range;
     size_t n, entries;
-    int may_repeat;
     struct keys found; /* candidates */
 };
 
@@ -798,6 +800,7 @@ struct grid {
     struct box_table *boxes; /* the world's */
     sweep_fn sweep;
     sweep_row_fn sweep_row;
+    ask_row_fn ask_row;
     struct layout layout[2];
     uint32_t current;
     uint32_t next_to_move; /* slot */
@@ -811,7 +814,7 @@ struct grid {
     int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
     int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
     int in_skins;   /* while is_resting: the rows hold boxes with their skins (renew.c) */
-    struct keys candidates; /* while in_skins: boxes that rest and whose skins overlap, a << 32 | entry for b */
+    struct keys candidates; /* while in_skins: what are candidates.c's, a << 32 | entry for b */
     uint32_t quiet;         /* while in_skins: for how many commits so few changed that skins do not pay */
     struct renewal renewal;
     struct upkeep upkeep;
@@ -925,6 +928,7 @@ enum { MOVES_AT_ONCE = 32 }; /* boxes whose cells are still in the cache when th
 
 int msap_move_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
                   uint8_t *state, size_t n);
+int msap_place_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_finish_move(struct grid *g, const struct job *job, uint32_t slot);
 int msap_is_near(const void *grid, uint32_t a, uint32_t b);
 const uint64_t *msap_order_by_cell(const struct grid *g, const struct job *job, uint32_t *slot, size_t n);
@@ -948,8 +952,9 @@ int msap_renewal_is_due(const struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job);
 void msap_renewal_failed(struct grid *g);
 int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
-int msap_touch_candidates(struct grid *g, struct job *job);
-int msap_tell_candidates(struct grid *g, struct job *job);
+int msap_candidates_touch(struct grid *g, struct job *job);
+int msap_candidates_tell(struct grid *g, struct job *job);
+int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);
 int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);

@@ -11,8 +11,7 @@
  * 1. The boxes are sorted into rows (rows.c).
  * 2. Each row is swept: from each box over those behind it until one starts after its
  *    end, up to sixteen at a time. Two boxes that meet in several rows are taken where, on both
- *    axes across, one of them starts: that is one row, unless rows wrap around so soon
- *    that the boxes meet at both ends.
+ *    axes across, one of them starts: that is one row.
  * 3. Wide boxes, which touch many rows, are in none; each is tested against all. Where there
  *    are many such boxes this is not the way, and the grid must be rebuilt. */
 #include "rows.h"
@@ -58,24 +57,41 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
     msap_rows_sweep(&j->grid->row_set, &j->grid->rows, j->grid->sweep_row, first, last, take, j, w);
 }
 
-/* Takes a pair that may overlap. */
-static inline void test_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
+/* Takes a pair that overlaps. */
+static inline void take_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
 {
-    const struct box *p = &j->job->boxes->at[a], *q = &j->job->boxes->at[b];
-    if (!overlap(&p->now, &q->now) || (p->flags & q->flags & BOX_STATIC)) return;
     if (j->is_comparing) msap_worker_put(w, pair_key(a, b));
     else settle_found(&w->settler, a, b);
 }
 
-/* Tests wide boxes first ... last - 1 against all. */
+/* Asks a row for a wide box. */
+static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
+{
+    const struct jump *j = context;
+    const struct grid *g = j->grid;
+    uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
+    struct row_sweep at = {.i = row_start(&g->row_set, row), .end = g->row_set.end[row]};
+    while (at.i < at.end) {
+        size_t more = g->ask_row(&g->row_set, q, &at, found);
+        for (size_t i = 0; i < more; i++) take_pair(j, w, q->self, found[i]);
+        n += more;
+    }
+    return n;
+}
+
+/* Tests wide boxes first ... last - 1 against those before and against all rows. */
 static void test_wide(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    const struct pruning *p = &j->pruning;
+    const struct box *box = j->job->boxes->at;
+    const uint32_t *wide = j->pruning.wide;
     for (size_t i = first; i < last; i++) {
-        for (size_t other = 0; other < i; other++) test_pair(j, w, p->wide[i], p->wide[other]);
-        for (size_t other = 0; other < p->n; other++) test_pair(j, w, p->wide[i], key_box(p->order[other]));
-        w->settler.touched += i + p->n;
+        const struct box *b = &box[wide[i]];
+        const struct row_question q = {.lacks = b->flags & BOX_STATIC ? ROW_MOVES : 0, .self = wide[i]};
+        for (size_t k = 0; k < i; k++)
+            if (overlap(&b->now, &box[wide[k]].now) && !(b->flags & box[wide[k]].flags & BOX_STATIC))
+                take_pair(j, w, wide[i], wide[k]);
+        w->settler.touched += i + msap_rows_ask(&j->grid->rows, &b->now, &q, ask_row, j, w, 0);
     }
 }
 

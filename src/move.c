@@ -93,6 +93,15 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
     return msap_grid_put(g, job->memory, slot, is_static(b), spot);
 }
 
+/* n boxes are put elsewhere that get no lists. Returns 0 without memory. */
+int msap_place_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n)
+{
+    struct spot spot;
+    for (size_t i = 0; i < n; i++)
+        if (!place(g, job, slot[i], &spot)) return 0;
+    return 1;
+}
+
 /* The same by a worker. Returns 0, with nothing done, if it may not. */
 static int place_own(struct grid *g, const struct region *own, uint32_t slot, struct spot *spot)
 {

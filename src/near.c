@@ -4,8 +4,9 @@
  * SPDX-License-Identifier: MIT
  *
  * b is in the list of a exactly if a is in the list of b, and they are exactly if
- * the fat bounds of a and b overlap, not both are static and not both rest (rest.c, renew.c); of
- * a box that rests without a skin its bounds at the last commit count. A list holds the
+ * the fat bounds of a and b overlap, not both are static and not both rest (rest.c); of
+ * a box that rests its bounds at the last commit count. While boxes rest in skins, no box has a list
+ * (candidates.c). A list holds the
  * slots above its own first, so that a walk over all pairs can visit each from
  * its lower box alone. Within the two parts the order is free. The entry for a
  * neighbour above has NEAR_PAIR exactly if the two boxes are a pair, since the last

@@ -115,7 +115,7 @@ static int enlarge(struct worker *w, struct memory *m)
         buffers[i]->n = 0;
         if (!msap_keys_reserve(buffers[i], m, wanted)) return 0;
     }
-    return 1;
+    return msap_memory_reserve(m, &w->found, &w->room_found, w->wanted, 0, sizeof *w->found);
 }
 
 /* Appends what a worker found to what the calling thread has. */
@@ -240,6 +240,7 @@ int msap_worker_room_to_find(struct worker *w, size_t n, size_t more)
 {
     size_t need = n + more + FOUND_SLACK;
     if (need <= w->room_found) return 1;
+    w->wanted = need;
     return w->settler.memory &&
            msap_memory_reserve(w->settler.memory, &w->found, &w->room_found, need, n, sizeof *w->found);
 }

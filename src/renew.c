@@ -7,7 +7,7 @@
  * leave their skins sooner or later, it is cheaper to give all of them new ones before they do, and
  * to prune them with these. What is found are the candidates, the pairs whose skins overlap: until the next
  * renewal a commit has to test these and to put the few boxes elsewhere that do leave
- * their skins.
+ * their skins, into cells.
  *
  * In one commit that would take several times as long as others do. So it is
  * done in steps, one after each of some commits, while the present skins serve; nothing of it shows before the
@@ -16,13 +16,12 @@
  * 1. The skins to come are made.
  * 2. The boxes are sorted into rows by them (rows.c), in two steps.
  * 3. The rows are swept.
- * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells
- *    and lists, and rest in the rows. Then those that have come meanwhile, or are outside their new skin
+ * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
+ *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
  *    already, are put into cells (move.c), and so are wide ones, which are in no row.
  *
- * Two boxes that rest in their skins are in no list. If the skins overlap they are among the candidates, whose
- * entries tell, as those of lists do, whether they are a pair. When a box leaves its skin, its candidates
- * go over to lists before anything else happens to it (touch.c). */
+ * From then on there are candidates instead of lists (candidates.c): a box that leaves its skin finds in cells and
+ * rows what others it has. */
 #include "rows.h"
 
 /* ------------------------------------------------------------------- step 1 */
@@ -82,7 +81,6 @@ static int count_rows(struct grid *g, struct job *job)
     r->range = p.range;
     r->n = p.n;
     r->entries = p.entries;
-    r->may_repeat = p.may_repeat;
     return msap_rows_sort(&p);
 }
 
@@ -119,8 +117,7 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
     msap_rows_sweep(&r->set, &r->rows, g->sweep_row, first, last, take, NULL, w);
 }
 
-/* Where rows wrap around so soon that two boxes may meet at both ends, some pairs are found twice: drops
- * those. Returns 0 without memory. */
+/* Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
@@ -129,14 +126,9 @@ static int find_candidates(struct grid *g, struct job *job)
     if (!msap_phase_run(job->crew, job->memory, sweep, g, r->entries, WEIGHT_ROW_BOX)) return 0;
     if (pairs->n > UINT32_MAX) /* GCOVR_EXCL_BR_LINE: notes could not name them; they take 32 GB */
         return 0;              /* GCOVR_EXCL_LINE: the same */
-    if (r->may_repeat) {
-        msap_share_sort_keys(job, pairs->at, pairs->n, msap_scratch_get(job->scratch, job->memory, pairs->n));
-        pairs->n = msap_unique_keys(pairs->at, pairs->n);
-    }
-    r->found.n = 0;
-    if (!msap_keys_reserve(&r->found, job->memory, pairs->n)) return 0;
-    if (pairs->n > 0) memcpy(r->found.at, pairs->at, pairs->n * sizeof *pairs->at);
-    r->found.n = pairs->n;
+    const struct keys found = *pairs;
+    *pairs = r->found; /* it does not matter what of */
+    r->found = found;
     return 1;
 }
 
@@ -191,7 +183,8 @@ static int install(struct grid *g, struct job *job)
     g->moves += t->live;
     if (!change_over(g, job)) return 0;
     put_on(g, t, is_first);
-    int done = msap_tell_candidates(g, job) && msap_move_all(g, job, t->left, t->n_left);
+    int done = msap_candidates_tell(g, job) && msap_place_all(g, job, t->left, t->n_left) &&
+               msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
     return done;

@@ -12,7 +12,7 @@
  * A box of the last commit that is in no cell rests: the rows hold it as it was then. Two
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
  * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
- * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what two
+ * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what all
  * boxes are to each other candidates tell.
  *
  * Rows are sorted by where boxes start. So that those can be found that reach a place, `reach` tells of each
@@ -27,13 +27,10 @@ enum { REACH = 16 };
 /* Where the reach of the first boxes of a row stands. */
 static size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
 
-/* Where a row starts. */
-static inline uint32_t start_of(const struct row_set *set, size_t row) { return row > 0 ? set->end[row - 1] : 0; }
-
 static void reach_in_row(const struct grid *g, size_t row)
 {
     const struct row_set *set = &g->row_set;
-    uint32_t start = start_of(set, row);
+    uint32_t start = row_start(set, row);
     int32_t *reach = g->reach + reach_of(row, start), most = INT32_MIN;
     for (uint32_t i = start; i < set->end[row]; i++) {
         most = set->max[0][i] > most ? set->max[0][i] : most;
@@ -55,7 +52,8 @@ int msap_rest_note_reach(struct grid *g, struct memory *m)
 /* The first box of a row, but for REACH, that may reach a value. */
 static uint32_t first_that_reaches(const struct grid *g, size_t row, int32_t value)
 {
-    uint32_t start = start_of(&g->row_set, row), low = 0, high = (g->row_set.end[row] - start + REACH - 1) / REACH;
+    uint32_t start = row_start(&g->row_set, row), low = 0,
+             high = (g->row_set.end[row] - start + REACH - 1) / REACH;
     const int32_t *reach = g->reach + reach_of(row, start);
     while (low < high) {
         uint32_t middle = (low + high) / 2;
@@ -79,15 +77,14 @@ static size_t keep_resting(const struct grid *g, const struct row_question *q, u
     return n;
 }
 
-/* Asks a row. Returns how many boxes are found then, or SIZE_MAX without room. */
-static size_t ask_row(const struct grid *g, struct worker *w, const struct row_question *q, size_t row, size_t n)
+/* Asks a row. */
+static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
 {
-    const struct row_set *set = &g->row_set;
-    uint32_t i = first_that_reaches(g, row, q->min[0]), end = set->end[row];
-    while (i < end && set->min[0][i] <= q->max[0]) {
+    const struct grid *g = context;
+    struct row_sweep at = {.i = first_that_reaches(g, row, q->min[0]), .end = g->row_set.end[row]};
+    while (at.i < at.end) {
         if (!msap_worker_room_to_find(w, n, ENTRIES_ASKED)) return SIZE_MAX;
-        n = keep_resting(g, q, w->found, n, n + msap_ask_entries(set, q, i, end, w->found + n));
-        i += ENTRIES_ASKED;
+        n = keep_resting(g, q, w->found, n, n + g->ask_row(&g->row_set, q, &at, w->found + n));
     }
     return n;
 }
@@ -98,19 +95,8 @@ static size_t ask_row(const struct grid *g, struct worker *w, const struct row_q
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)
 {
-    const struct rows *r = &g->rows;
-    struct row_span span = rows_of(r, where);
-    struct row_question q = {.flags = (uint16_t)flags};
-    for (int k = 0; k < 3; k++) {
-        q.min[k] = where->min[r->axis[k]];
-        q.max[k] = where->max[r->axis[k]];
-    }
-    for (uint32_t z = 0, line = span.row; z <= span.more[1]; z++, line = next_line(r, line))
-        for (uint32_t y = 0, row = line; y <= span.more[0] && n != SIZE_MAX; y++, row = next_row(r, row)) {
-            q.lacks = (y > 0 ? ROW_STARTS_1 : 0) | (z > 0 ? ROW_STARTS_2 : 0) | (is_static ? ROW_MOVES : 0);
-            n = ask_row(g, w, &q, row, n);
-        }
-    return n;
+    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint16_t)flags};
+    return msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
 }
 
 /* ------------------------------------------------------------ going elsewhere */
@@ -184,7 +170,7 @@ static int is_entry_broken(const struct grid *g, uint32_t i)
 static const char *row_broken(const struct grid *g, size_t row, uint64_t *entries)
 {
     const struct row_set *set = &g->row_set;
-    uint32_t start = start_of(set, row);
+    uint32_t start = row_start(set, row);
     const int32_t *reach = g->reach + reach_of(row, start);
     int32_t most = INT32_MIN;
     for (uint32_t i = start; i < set->end[row]; i++) {

@@ -16,6 +16,10 @@
 
 enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
 
+/* Where there are several rows on an axis there are so many or more: then two boxes, neither of which touches more
+ * than MOST_ROWS, never meet at both ends of rows that wrap around. */
+enum { LEAST_COUNT = 2 * MOST_ROWS };
+
 /* ------------------------------------------------------------------ layout */
 
 static uint32_t finest_axis(const struct spread s[3])
@@ -45,7 +49,8 @@ static void choose_rows(struct rows *r, const struct box_table *boxes, uint32_t 
         ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
-        r->count[k] = across->exponent > WIDEST_CELL ? 1 : msap_count_for(msap_cells_on(across));
+        double cells = across->exponent > WIDEST_CELL ? 1 : msap_cells_on(across);
+        r->count[k] = cells > 1 ? msap_count_for(cells < LEAST_COUNT ? LEAST_COUNT : cells) : 1;
         r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
     r->chosen_for = boxes->live + 1;
@@ -98,7 +103,7 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     const struct pruning p = {.bounds = j->bounds, .step = j->step};
     uint32_t sweep_axis = r->axis[0], flags = j->flags;
     size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
-    struct counted c = {first, 0, 0, 0, {0}, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
+    struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
     uint64_t *order = j->order + first;
     uint32_t *wide = j->wide + first;
     memset(c.end, 0, all_rows * sizeof *c.end);
@@ -116,8 +121,6 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
         }
         order[c.n++] = key_make(bounds->min[sweep_axis], 0, slot);
         c.entries += rows;
-        c.more[0] |= range->more[0];
-        c.more[1] |= range->more[1];
         count_in_rows(r, range, c.end);
     }
     j->by[worker] = c;
@@ -136,8 +139,6 @@ static size_t add_up(struct pruning *j)
         j->n += c->n;
         j->n_wide += c->n_wide;
         entries += c->entries;
-        for (int k = 0; k < 2; k++)
-            j->may_repeat |= j->rows->count[k] > 1 && 2 * (c->more[k] + 1) > j->rows->count[k];
         for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
     }
     return entries;
@@ -302,6 +303,36 @@ void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_
             take(context, w, &found);
         }
     }
+}
+
+/* ------------------------------------------------------------------- asking */
+
+/* The marks that tell, in the i-th row of 1 + `more` on an axis across, what starts there: only that is asked for,
+ * but in the first row, unless it is all around. */
+static uint32_t starts_in(uint32_t i, uint32_t more, uint32_t count, uint32_t mark)
+{
+    return i > 0 || (more > 0 && more == count - 1) ? mark : 0;
+}
+
+/* Asks the rows that bounds touch what in them overlaps, has what the question tells, and lies in no row before:
+ * so, in most cases, each box is found once. The first n have been found already; returns how many are then, or
+ * SIZE_MAX without room. */
+size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const struct row_question *q,
+                     ask_one_row_fn ask, const void *context, struct worker *w, size_t n)
+{
+    struct row_span span = rows_of(r, where);
+    struct row_question here = *q;
+    for (int k = 0; k < 3; k++) {
+        here.min[k] = where->min[r->axis[k]];
+        here.max[k] = where->max[r->axis[k]];
+    }
+    for (uint32_t z = 0, line = span.row; z <= span.more[1]; z++, line = next_line(r, line))
+        for (uint32_t y = 0, row = line; y <= span.more[0] && n != SIZE_MAX; y++, row = next_row(r, row)) {
+            here.lacks = q->lacks | starts_in(y, span.more[0], r->count[0], ROW_STARTS_1) |
+                         starts_in(z, span.more[1], r->count[1], ROW_STARTS_2);
+            n = ask(context, w, &here, row, n);
+        }
+    return n;
 }
 
 /* ------------------------------------------------------------------ the set */

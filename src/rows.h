@@ -59,8 +59,7 @@ struct row_range {
 /* What a worker has counted of the slots from the first on. */
 struct counted {
     size_t first, n, n_wide, entries;
-    uint32_t more[2]; /* no box touches more rows besides its first, on each axis across */
-    uint32_t *end;    /* [rows] boxes; NULL: it was not at work */
+    uint32_t *end; /* [rows] boxes; NULL: it was not at work */
 };
 
 /* Rows in the making. */
@@ -77,7 +76,6 @@ struct pruning {
     struct row_range *range; /* [slots] */
     uint32_t *wide;          /* [n_wide] slots of the wide boxes */
     size_t n, n_wide, entries;
-    int may_repeat;   /* 1: rows wrap around so soon that two boxes may meet at both ends, and be taken twice */
     uint32_t *end;    /* [rows] behind the last box of each row */
     uint32_t *end_by; /* [rows] the same of each worker but the calling thread's */
     struct counted by[1 + MOST_WORKERS];
@@ -88,6 +86,13 @@ static inline const struct bounds *bounds_to_prune(const struct pruning *p, uint
     return (const struct bounds *)(const void *)((const char *)p->bounds + slot * p->step);
 }
 
+/* Where a row starts. */
+static inline uint32_t row_start(const struct row_set *set, size_t row) { return row > 0 ? set->end[row - 1] : 0; }
+
+/* Asks a row, when n have been found in others. Returns how many are found then, or SIZE_MAX without room. */
+typedef size_t (*ask_one_row_fn)(const void *context, struct worker *w, const struct row_question *q, size_t row,
+                                 size_t n);
+
 /* Receives pairs that are found. */
 typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
 
@@ -97,5 +102,7 @@ int msap_rows_sort(struct pruning *p);
 void msap_rows_fill(struct pruning *p);
 void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,
                      size_t last, take_pairs_fn take, const void *context, struct worker *w);
+size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const struct row_question *q,
+                     ask_one_row_fn ask, const void *context, struct worker *w, size_t n);
 
 #endif

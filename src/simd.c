@@ -321,35 +321,90 @@ static int use_avx2(uint32_t simd)
 
 /* -------------------------------------------------------------- asking rows */
 
-/* Finds, among the ENTRIES_ASKED entries of a row from `first` on that are before `end`, the row's, those that
- * have the marks and of which the bounds overlap. Gives their slots; returns how many they are. */
-size_t msap_ask_entries(const struct row_set *s, const struct row_question *q, uint32_t first, uint32_t end,
-                        uint32_t *out)
+/* Behind the last entry that is asked this time. */
+static uint32_t last_asked(const struct row_sweep *at)
 {
+    return at->end - at->i < ENTRIES_ASKED ? at->end : at->i + ENTRIES_ASKED;
+}
+
+static size_t ask_row_portable(const struct row_set *s, const struct row_question *q, struct row_sweep *at,
+                               uint32_t *out)
+{
+    const uint32_t last = last_asked(at);
+    uint32_t i = at->i;
     size_t n = 0;
+    for (; i < last && s->min[0][i] <= q->max[0]; i++) {
+        int apart = s->max[0][i] < q->min[0];
+        for (int k = 1; k < 3; k++) apart |= (s->min[k][i] > q->max[k]) | (s->max[k][i] < q->min[k]);
+        out[n] = row_slot(s->id[i]);
+        n += !apart & ((s->id[i] & q->lacks) == q->lacks);
+    }
+    at->i = i < last ? at->end : last;
+    return n;
+}
+
 #if defined(HAS_FOUR)
+static size_t ask_row_fours(const struct row_set *s, const struct row_question *q, struct row_sweep *at,
+                            uint32_t *out)
+{
+    const uint32_t last = last_asked(at);
     const four lacks = four_of((int32_t)q->lacks);
-    for (uint32_t i = first; i < end && i < first + ENTRIES_ASKED; i += 4) {
-        four_mask apart = either(above(four_at(s->min[0] + i), four_of(q->max[0])),
-                                 above(four_of(q->min[0]), four_at(s->max[0] + i)));
+    uint32_t is_past = 0;
+    size_t n = 0;
+    for (uint32_t i = at->i; i < last && !is_past; i += 4) {
+        four_mask past = above(four_at(s->min[0] + i), four_of(q->max[0]));
+        four_mask apart = either(past, above(four_of(q->min[0]), four_at(s->max[0] + i)));
         for (int k = 1; k < 3; k++)
             apart = either(apart, either(above(four_at(s->min[k] + i), four_of(q->max[k])),
                                          above(four_of(q->min[k]), four_at(s->max[k] + i))));
         four id = four_at((const int32_t *)(const void *)(s->id + i));
         uint32_t found = bits_of(same(both(id, lacks), lacks)) & ~bits_of(apart);
-        if (end - i < 4) found &= (1u << (end - i)) - 1;
+        is_past = bits_of(past);
+        if (last - i < 4) found &= (1u << (last - i)) - 1;
         for (; found; found &= found - 1) out[n++] = row_slot(s->id[i + (uint32_t)__builtin_ctz(found)]);
     }
-#else
-    for (uint32_t i = first; i < end && i < first + ENTRIES_ASKED; i++) {
-        int apart = 0;
-        for (int k = 0; k < 3; k++) apart |= (s->min[k][i] > q->max[k]) | (s->max[k][i] < q->min[k]);
-        out[n] = row_slot(s->id[i]);
-        n += !apart & ((s->id[i] & q->lacks) == q->lacks);
-    }
-#endif
+    at->i = is_past ? at->end : last;
     return n;
 }
+#endif
+
+#if defined(HAS_AVX2)
+/* Which of the eight bounds from `min` and `max` on do not overlap those from `low` to `high`. */
+__attribute__((target("avx2"))) static inline __m256i are_apart(const int32_t *min, const int32_t *max,
+                                                                int32_t low, int32_t high)
+{
+    return _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(min), _mm256_set1_epi32(high)),
+                           _mm256_cmpgt_epi32(_mm256_set1_epi32(low), LOAD256(max)));
+}
+
+__attribute__((target("avx2"))) static size_t ask_row_avx2(const struct row_set *s, const struct row_question *q,
+                                                           struct row_sweep *at, uint32_t *out)
+{
+    const struct row_question asked = *q;
+    const struct row_set set = *s;
+    const uint32_t last = last_asked(at);
+    const __m256i lacks = _mm256_set1_epi32((int32_t)asked.lacks),
+                  marks = _mm256_set1_epi32((int32_t)~row_slot(~0u));
+    uint32_t is_past = 0;
+    size_t n = 0;
+    for (uint32_t i = at->i; i < last && !is_past; i += 8) {
+        __m256i past = _mm256_cmpgt_epi32(LOAD256(set.min[0] + i), _mm256_set1_epi32(asked.max[0]));
+        __m256i apart = are_apart(set.min[0] + i, set.max[0] + i, asked.min[0], asked.max[0]),
+                ids = LOAD256(set.id + i);
+        apart = _mm256_or_si256(apart, are_apart(set.min[1] + i, set.max[1] + i, asked.min[1], asked.max[1]));
+        apart = _mm256_or_si256(apart, are_apart(set.min[2] + i, set.max[2] + i, asked.min[2], asked.max[2]));
+        __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(ids, lacks), lacks);
+        uint32_t found = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(apart, has)));
+        is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
+        if (last - i < 8) found &= (1u << (last - i)) - 1;
+        n += put_found(out + n, _mm256_andnot_si256(marks, ids), found);
+    }
+    at->i = is_past ? at->end : last;
+    return n;
+}
+#endif
+
+/* ----------------------------------------------------------------- choosing */
 
 /* The best sweep that the machine has, not above `simd`. */
 sweep_fn msap_sweep_for(uint32_t simd)
@@ -377,4 +432,16 @@ sweep_row_fn msap_sweep_row_for(uint32_t simd)
 #endif
     (void)simd;
     return sweep_row_portable;
+}
+
+ask_row_fn msap_ask_row_for(uint32_t simd)
+{
+#if defined(HAS_AVX2)
+    if (use_avx2(simd)) return ask_row_avx2;
+#endif
+#if defined(HAS_FOUR)
+    if (simd != MSAP_SIMD_NONE) return ask_row_fours;
+#endif
+    (void)simd;
+    return ask_row_portable;
 }

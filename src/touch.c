@@ -118,90 +118,6 @@ int msap_grid_touch(const struct grid *g, struct job *job)
     return msap_phase_run(job->crew, job->memory, touch_changed, &all, t->n_changed, weight);
 }
 
-/* -------------------------------------------------------------- candidates */
-
-/* Where there are many boxes, those of a candidate further on are fetched. */
-static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, size_t i, size_t last)
-{
-    enum { AHEAD = 16 };
-    if (i + AHEAD >= last) return;
-    prefetch(&boxes[c[i + AHEAD] >> 32]);
-    prefetch(&boxes[candidate_slot((uint32_t)c[i + AHEAD])]);
-}
-
-/* Settles candidates first ... last - 1; names those with a box that left. */
-static void touch_candidates(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct grid *g = context;
-    const struct box *boxes = g->boxes->at;
-    uint64_t *c = g->candidates.at;
-    int are_many = g->boxes->used > MANY_BOXES;
-    w->settler.touched += last - first;
-    for (size_t i = first; i < last; i++) {
-        uint32_t a = (uint32_t)(c[i] >> 32), entry = (uint32_t)c[i], b = candidate_slot(entry);
-        const struct box *p = &boxes[a], *q = &boxes[b];
-        if (are_many) fetch_candidate(boxes, c, i, last);
-        int is = overlap(&p->now, &q->now), left = (p->flags | q->flags) & BOX_LEFT;
-        if ((is == (int)(entry >> 31)) & !left || entry & NEAR_GONE) continue;
-        if (left) {
-            msap_worker_put(w, i);
-        } else {
-            msap_settle_change(&w->settler, pair_key(a, b), is);
-            msap_settle_note(&w->settler, NONE, (uint32_t)i);
-        }
-    }
-}
-
-/* The candidates that the worker has named go over to lists. Returns 0 without memory. */
-static int hand_over_named(struct grid *g, const struct job *job)
-{
-    const struct keys *named = &job->worker->pairs;
-    for (size_t i = 0; i < named->n; i++) {
-        uint64_t *c = &g->candidates.at[named->at[i]];
-        uint32_t a = (uint32_t)(*c >> 32), b = candidate_slot((uint32_t)*c);
-        if (!msap_near_join(&g->near, &g->near.pool, job->memory, a, b, (*c & NEAR_PAIR) != 0)) return 0;
-        *c |= NEAR_GONE;
-    }
-    return 1;
-}
-
-/* Touches the candidates, before any of the boxes that left is put elsewhere: those that such a box has go over to
- * lists. Returns 0 without memory. */
-int msap_touch_candidates(struct grid *g, struct job *job)
-{
-    job->worker->pairs.n = 0;
-    return msap_phase_run(job->crew, job->memory, touch_candidates, g, g->candidates.n, WEIGHT_TOUCH) &&
-           hand_over_named(g, job);
-}
-
-/* Lets candidates first ... last - 1, which are new, know whether they are pairs. Their boxes may be
- * others by now than those that were swept: such are on the list of those that left. */
-static void tell_candidates(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct grid *g = context;
-    const struct box *boxes = g->boxes->at;
-    uint64_t *c = g->candidates.at;
-    int are_many = g->boxes->used > MANY_BOXES;
-    for (size_t i = first; i < last; i++) {
-        const struct box *p = &boxes[c[i] >> 32], *q = &boxes[candidate_slot((uint32_t)c[i])];
-        uint32_t both = p->flags & q->flags, either = p->flags | q->flags;
-        if (are_many) fetch_candidate(boxes, c, i, last);
-        c[i] |= overlap(&p->now, &q->now) ? NEAR_PAIR : 0;
-        if ((both & BOX_LIVE) && !(either & BOX_LEFT)) continue;
-        int are_near = (both & BOX_LIVE) && !(both & BOX_STATIC) && overlap(&p->fat, &q->fat);
-        if (are_near) msap_worker_put(w, i);
-        else c[i] |= NEAR_GONE;
-    }
-}
-
-/* The same for all of them; those with a box that left go over to lists. Returns 0 without memory. */
-int msap_tell_candidates(struct grid *g, struct job *job)
-{
-    job->worker->pairs.n = 0;
-    return msap_phase_run(job->crew, job->memory, tell_candidates, g, g->candidates.n, WEIGHT_TOUCH) &&
-           hand_over_named(g, job);
-}
-
 /* ------------------------------------------------------------------ events */
 
 /* Lets lists tell of a pair what it is; one that is no more may be in none. */
@@ -212,23 +128,13 @@ static void tell(const struct grid *g, uint64_t pair, uint32_t is)
     if (i < l->n) l->at[i] = near_slot(l->at[i]) | is;
 }
 
-/* The same of a candidate. */
-static void tell_candidate(const struct grid *g, size_t i)
-{
-    uint64_t *c = &g->candidates.at[i];
-    const struct box *p = &g->boxes->at[*c >> 32], *q = &g->boxes->at[candidate_slot((uint32_t)*c)];
-    *c = (*c & ~(uint64_t)NEAR_PAIR) | (overlap(&p->now, &q->now) ? NEAR_PAIR : 0);
-}
-
 /* Lists learn what has changed: by the notes or, where memory lacked for these, by the events. */
 static void catch_up(const struct grid *g, const struct settler *s)
 {
     for (size_t i = 0; !s->has_no_notes && i < s->notes.n; i++) {
         uint32_t slot = (uint32_t)(s->notes.at[i] >> 32), index = (uint32_t)s->notes.at[i];
-        if (slot == NONE) g->candidates.at[index] ^= NEAR_PAIR;
-        else g->near.of[slot].at[index] ^= NEAR_PAIR;
+        g->near.of[slot].at[index] ^= NEAR_PAIR;
     }
-    for (size_t i = 0; s->has_no_notes && i < g->candidates.n; i++) tell_candidate(g, i);
     for (size_t i = 0; s->has_no_notes && i < s->fresh.n; i++) tell(g, s->fresh.at[i], NEAR_PAIR);
     for (size_t i = 0; s->has_no_notes && i < s->doomed.n; i++) tell(g, s->doomed.at[i], 0);
 }

@@ -25,7 +25,7 @@
  * Boxes that rest (rest.c) are in no cell, but are found in step 3. One of them that changes
  * or is removed settles first what it was to the others, which no list tells; then it
  * is taken as one that is new. If they rest in skins (renew.c), only one that leaves its skin goes
- * elsewhere, and what it was to the others, its candidates, goes over to lists first.
+ * elsewhere, and there are candidates instead of lists (candidates.c).
  *
  * Where there are many of them, steps 2 to 4 are shared by all workers (share.c), and step 5
  * is. Where too many boxes would have to be put elsewhere, one by one is not the way
@@ -227,12 +227,23 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
-    if (g->candidates.n > 0 && !msap_touch_candidates(g, job)) return 0;
     size_t gone = removed_first(job->boxes, misplaced);
     if (!leave_all(g, job, gone, by_cell)) return 0;
     uint32_t *slot = job->boxes->left + gone;
     uint8_t *state = by_cell ? msap_share_moves(g, job, slot, misplaced - gone) : NULL;
     return move_all(g, job, slot, misplaced - gone, state) && msap_grid_touch(g, job);
+}
+
+/* The same while boxes rest in skins: there are candidates instead of lists. */
+static int track_in_skins(struct grid *g, struct job *job, size_t misplaced, int by_cell)
+{
+    if (!msap_layout_adapt(g, job->memory, job->boxes) || !msap_candidates_touch(g, job)) return 0;
+    g->moves = misplaced;
+    size_t gone = removed_first(job->boxes, misplaced), n = misplaced - gone;
+    uint32_t *slot = job->boxes->left + gone;
+    if (!leave_all(g, job, gone, by_cell)) return 0;
+    if (by_cell) msap_order_by_cell(g, job, slot, n);
+    return msap_place_all(g, job, slot, n) && msap_candidates_find(g, job, slot, n);
 }
 
 /* After a jump: boxes rest from now on, but for n. Returns 0 without memory. */
@@ -267,7 +278,9 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
     if (way == REBUILD || way == JUMP_OR_REBUILD) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
     if (strategy == MSAP_STRATEGY_AUTO)
         strategy = misplaced > WORTH_ORDERING ? MSAP_STRATEGY_MERGE : MSAP_STRATEGY_SLIDE;
-    return track(g, job, misplaced, strategy == MSAP_STRATEGY_MERGE) ? strategy : 0;
+    int by_cell = strategy == MSAP_STRATEGY_MERGE;
+    int done = g->in_skins ? track_in_skins(g, job, misplaced, by_cell) : track(g, job, misplaced, by_cell);
+    return done ? strategy : 0;
 }
 
 /* Returns the strategy that was taken, or 0 without memory: then the grid is empty and must

@@ -283,7 +283,7 @@ static const struct {
     {DEFAULT, left_untidy, "a neighbour list is overfull or untidy"},
     {DEFAULT, list_not_in_order, "a neighbour list is not in order"},
     {DEFAULT, not_mutual, "a box is a neighbour, but not the other way round"},
-    {DEFAULT, pair_no_neighbours, "a pair are neither neighbours nor candidates"},
+    {DEFAULT, pair_no_neighbours, "a pair are no neighbours"},
     {DEFAULT, known_too_few, "the list of known pairs is not of all"},
     {DEFAULT, known_is_none, "the list of known pairs names none or is not in order"},
     {DEFAULT, known_twice, "the list of known pairs names none or is not in order"},

@@ -3,7 +3,8 @@
  *
  * Guards: whichever sweep goes over a row (simd.c) gives the pairs that overlap and have each
  * mark on one side or the other, all of them, once and in order; however long the row is, wherever
- * a sweep starts and ends, and however often the buffer was full. It looks behind the interface.
+ * a sweep starts and ends, and however often the buffer was full. The same of what a question to a row finds. It looks
+ * behind the interface.
  */
 #define box inner_box /* the tests have a struct of that name */
 #include "../../src/internal.h"
@@ -88,6 +89,44 @@ static void compare_sweeps(const struct row_set *set, uint32_t first, uint32_t l
     }
 }
 
+static int is_asked_for(const struct row_set *s, const struct row_question *q, uint32_t i)
+{
+    int overlap = 1;
+    for (int k = 0; k < 3; k++) overlap &= s->min[k][i] <= q->max[k] && q->min[k] <= s->max[k][i];
+    return overlap && (s->id[i] & q->lacks) == q->lacks;
+}
+
+/* Asks entries first ... end - 1 in each way; as by brute force. */
+static void compare_answers(const struct row_set *set, const struct row_question *q, uint32_t first, uint32_t end)
+{
+    uint32_t right_ones[MOST_ENTRIES], n_right = 0;
+    for (uint32_t i = first; i < end; i++)
+        if (is_asked_for(set, q, i)) right_ones[n_right++] = row_slot(set->id[i]);
+    for (size_t i = 0; i < COUNT(simd); i++) {
+        uint32_t found[MOST_ENTRIES + ENTRIES_ASKED + FOUND_SLACK];
+        size_t n = 0;
+        struct row_sweep at = {.i = first, .end = end};
+        while (at.i < at.end) {
+            uint32_t from = at.i;
+            n += msap_ask_row_for(simd[i])(set, q, &at, found + n);
+            ck_assert(at.i == end || at.i == from + ENTRIES_ASKED);
+        }
+        ck_assert_uint_eq(n, n_right);
+        ck_assert(memcmp(found, right_ones, n * sizeof *found) == 0);
+    }
+}
+
+/* The same with bounds and marks at random. */
+static void ask_at_random(const struct row_set *set, uint64_t *random, uint32_t first, uint32_t end)
+{
+    struct row_question q = {.lacks = random_below(random, 8) * ROW_MOVES};
+    for (int k = 0; k < 3; k++) {
+        q.min[k] = (int32_t)random_below(random, 64) - 32;
+        q.max[k] = q.min[k] + (int32_t)random_below(random, 64);
+    }
+    compare_answers(set, &q, first, end);
+}
+
 /* Loop variable: how long boxes are in a space of 64, from points to nearly all of it. */
 START_TEST(every_sweep_gives_the_pairs_of_a_row)
 {
@@ -100,6 +139,7 @@ START_TEST(every_sweep_gives_the_pairs_of_a_row)
         uint32_t first = random_below(&random, n), last = first + 1 + random_below(&random, n - first);
         compare_sweeps(&set, 0, n, n);
         compare_sweeps(&set, first, last, n);
+        for (int i = 0; i < 8; i++) ask_at_random(&set, &random, i < 4 ? 0 : first, n);
     }
     msap_row_set_free(&set, &m);
     ck_assert_uint_eq(m.bytes, 0);
@@ -121,6 +161,9 @@ START_TEST(bounds_may_be_any_numbers)
                 if (set.max[k][i] > 1) set.max[k][i] = ORDERED_INF;
             }
         compare_sweeps(&set, 0, MOST_ENTRIES, MOST_ENTRIES);
+        struct row_question all = {.lacks = 0, .min = {ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF}};
+        for (int k = 0; k < 3; k++) all.max[k] = round % 2 ? ORDERED_INF : ORDERED_MINUS_INF;
+        compare_answers(&set, &all, 0, MOST_ENTRIES);
     }
     msap_row_set_free(&set, &m);
 }

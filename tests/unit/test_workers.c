@@ -515,12 +515,13 @@ static size_t most_tasks(msap_world *world, msap_handle *handles, int boxes, int
     return most_at_once + 1;
 }
 
-static msap_world *counted_world(uint32_t workers, uint32_t grain)
+static msap_world *counted_world(uint32_t workers, uint32_t grain, uint32_t strategy)
 {
     msap_config config = config_of(3, DEFAULT);
     msap_world *world;
     config.workers = workers;
     config.task_grain = grain;
+    config.strategy = strategy;
     config.enqueue = counting_enqueue;
     config.finish = counting_finish;
     config.jobs_user = &at_once;
@@ -535,14 +536,15 @@ START_TEST(so_many_tasks_as_workers)
     static const uint32_t workers[] = {1, 2, 5, 16, 64};
     size_t i;
     for (i = 0; i < COUNT(workers); i++) {
-        msap_world *world = counted_world(workers[i], 1024);
+        msap_world *world = counted_world(workers[i], 1024, MSAP_STRATEGY_AUTO);
         ck_assert_uint_eq(most_tasks(world, counted, 20000, 1), workers[i]);
         ok(msap_destroy(world));
     }
 }
 END_TEST
 
-/* Where all boxes are updated and stay in their skins, once these suit them, each is touched, and that is all. */
+/* Where all boxes are updated and stay in their skins, once these suit them, the list of each is gone through, and
+ * that is all. */
 START_TEST(so_many_tasks_as_are_worth_it)
 {
     static const struct {
@@ -556,7 +558,7 @@ START_TEST(so_many_tasks_as_are_worth_it)
     size_t i;
     int n;
     for (i = 0; i < COUNT(cases); i++) {
-        msap_world *world = counted_world(64, cases[i].grain);
+        msap_world *world = counted_world(64, cases[i].grain, MSAP_STRATEGY_SLIDE);
         most_tasks(world, counted, cases[i].boxes, 1);
         for (n = 0; n < 8; n++)
             most_tasks(world, counted, cases[i].boxes, 0);

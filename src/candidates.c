@@ -1,0 +1,171 @@
+/* Candidates: the pairs whose skins overlap, while boxes rest in skins (renew.c).
+ *
+ * SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * The candidates are exactly the pairs of boxes in the grid, not both static, whose fat bounds overlap, each
+ * once and in any order; its entry tells whether it was a pair at the last commit. So no box needs a list of
+ * its neighbours, and a commit goes through one array:
+ *
+ * 1. All candidates are touched. Those of a box that left its skin are dropped.
+ * 2. Boxes that left get new skins and are put into cells (move.c).
+ * 3. They ask cells and rows what their candidates are now. Of two that left the lower one does.
+ *
+ * A pair that overlapped before was a candidate and is touched in step 1. One that overlaps now is touched there
+ * or is found in step 3, if a box of it left. */
+#include "cells.h"
+
+/* Besides the index of a candidate that is named: a box of it left. */
+#define VACANT ((uint64_t)1 << 32)
+
+/* Where there are many boxes, those of a candidate further on are fetched. */
+static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, size_t i, size_t last)
+{
+    enum { AHEAD = 16 };
+    if (i + AHEAD >= last) return;
+    prefetch(&boxes[c[i + AHEAD] >> 32]);
+    prefetch(&boxes[near_slot((uint32_t)c[i + AHEAD])]);
+}
+
+/* ------------------------------------------------------------------- step 1 */
+
+/* Settles candidates first ... last - 1; names those that changed and those with a box that left. */
+static void touch(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct grid *g = context;
+    const struct box *boxes = g->boxes->at;
+    const uint64_t *c = g->candidates.at;
+    int are_many = g->boxes->used > MANY_BOXES;
+    w->settler.touched += last - first;
+    for (size_t i = first; i < last; i++) {
+        uint32_t a = (uint32_t)(c[i] >> 32), entry = (uint32_t)c[i], b = near_slot(entry);
+        const struct box *p = &boxes[a], *q = &boxes[b];
+        if (are_many) fetch_candidate(boxes, c, i, last);
+        int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = (p->flags | q->flags) & BOX_LEFT;
+        if ((is == was) & !left) continue;
+        msap_worker_put(w, left ? i | VACANT : i);
+        if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
+        if (left ? was && !is : 1) msap_settle_change(&w->settler, pair_key(a, b), is);
+    }
+}
+
+/* Of the candidates that the worker has named, lets those that changed tell so. The others stay named: their
+ * places are vacant. */
+static void tell_changed(const struct grid *g, struct keys *named)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < named->n; i++) {
+        if (named->at[i] & VACANT) named->at[n++] = (uint32_t)named->at[i];
+        else g->candidates.at[named->at[i]] ^= NEAR_PAIR;
+    }
+    named->n = n;
+}
+
+/* Touches the candidates. Those of boxes that left are dropped by msap_candidates_find, until which the worker
+ * names their places. Returns 0 without memory. */
+int msap_candidates_touch(struct grid *g, struct job *job)
+{
+    job->worker->pairs.n = 0;
+    if (!msap_phase_run(job->crew, job->memory, touch, g, g->candidates.n, WEIGHT_TOUCH)) return 0;
+    tell_changed(g, &job->worker->pairs);
+    return 1;
+}
+
+/* Lets candidates first ... last - 1, which are new, know whether they are pairs. Their boxes may be
+ * others by now than those that were swept: such are on the list of those that left. */
+static void tell(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct grid *g = context;
+    const struct box *boxes = g->boxes->at;
+    uint64_t *c = g->candidates.at;
+    int are_many = g->boxes->used > MANY_BOXES;
+    for (size_t i = first; i < last; i++) {
+        const struct box *p = &boxes[c[i] >> 32], *q = &boxes[near_slot((uint32_t)c[i])];
+        if (are_many) fetch_candidate(boxes, c, i, last);
+        c[i] |= overlap(&p->now, &q->now) ? NEAR_PAIR : 0;
+        if (!(p->flags & q->flags & BOX_LIVE) || (p->flags | q->flags) & BOX_LEFT) msap_worker_put(w, i);
+    }
+}
+
+/* Between commits, the same of candidates that are new, of boxes most of which rest in new skins. Returns 0
+ * without memory. */
+int msap_candidates_tell(struct grid *g, struct job *job)
+{
+    job->worker->pairs.n = 0;
+    return msap_phase_run(job->crew, job->memory, tell, g, g->candidates.n, WEIGHT_TOUCH);
+}
+
+/* ------------------------------------------------------------------- step 3 */
+
+/* Boxes that ask. */
+struct asking_boxes {
+    const struct grid *grid;
+    const uint32_t *slot;
+};
+
+/* Whether a box that asks and one that it has found are candidates, and it is up to it to say so. */
+static inline int is_candidate(const struct box *boxes, uint32_t slot, uint32_t other)
+{
+    const struct box *p = &boxes[slot], *q = &boxes[other];
+    int is_asked_by_other = (q->flags & BOX_LEFT) && other < slot;
+    return other != slot && !is_asked_by_other && !(p->flags & q->flags & BOX_STATIC) && overlap(&p->fat, &q->fat);
+}
+
+/* Settles and keeps the candidates of a box among the first n that the worker has found. */
+static void keep_candidates(const struct grid *g, struct worker *w, uint32_t slot, size_t n)
+{
+    const struct box *boxes = g->boxes->at;
+    if (!msap_worker_has_room(w, n, 0)) return;
+    msap_worker_new_token(w);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t other = w->found[i];
+        if (w->tag[other] == w->token) continue;
+        w->tag[other] = w->token;
+        if (!is_candidate(boxes, slot, other)) continue;
+        int is = overlap(&boxes[slot].now, &boxes[other].now);
+        w->settler.touched++;
+        if (is && !were_pair(g->boxes, slot, other)) msap_settle_change(&w->settler, pair_key(slot, other), 1);
+        w->pairs.at[w->pairs.n++] = pair_key(slot, other) | (is ? NEAR_PAIR : 0);
+    }
+}
+
+/* Finds the candidates of boxes first ... last - 1. */
+static void ask(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct asking_boxes *all = context;
+    const struct grid *g = all->grid;
+    for (size_t i = first; i < last; i++) {
+        uint32_t slot = all->slot[i];
+        const struct box *b = &g->boxes->at[slot];
+        struct spot spot;
+        spot_of(&g->layout[g->current], &b->fat, &spot);
+        size_t n = msap_grid_find(g, w, slot, (b->flags & BOX_STATIC) != 0, &spot);
+        if (n == SIZE_MAX) w->settler.lost = 1;
+        else keep_candidates(g, w, slot, n);
+    }
+}
+
+/* Puts what was found, keys vacant ... n - 1 of `pairs`, into the vacant places, which the keys before name
+ * in ascending order, and behind the candidates. What is vacant then is closed from behind. Returns 0 without
+ * memory. */
+static int put_into_places(struct keys *candidates, struct memory *m, const struct keys *pairs, size_t vacant)
+{
+    size_t found = pairs->n - vacant, n = found < vacant ? found : vacant;
+    const uint64_t *key = pairs->at + vacant;
+    if (!msap_keys_reserve(candidates, m, candidates->n + found - n)) return 0;
+    for (size_t i = 0; i < n; i++) candidates->at[pairs->at[i]] = key[i];
+    for (size_t i = n; i < found; i++) candidates->at[candidates->n++] = key[i];
+    for (size_t i = vacant; i > n; i--) candidates->at[pairs->at[i - 1]] = candidates->at[--candidates->n];
+    return 1;
+}
+
+/* Finds the candidates of n boxes, which left their skins and have new ones, and settles them. Those that they
+ * had, whose places the worker names, are dropped. Returns 0 without memory. */
+int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n)
+{
+    struct keys *pairs = &job->worker->pairs;
+    size_t vacant = pairs->n;
+    struct asking_boxes all = {g, slot};
+    return msap_phase_run(job->crew, job->memory, ask, &all, n, WEIGHT_QUERY) &&
+           put_into_places(&g->candidates, job->memory, pairs, vacant);
+}
