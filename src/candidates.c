@@ -4,8 +4,8 @@
  * SPDX-License-Identifier: MIT
  *
  * The candidates are exactly the pairs of boxes in the grid, not both static, whose fat bounds overlap, each
- * once and in any order; its entry tells whether it was a pair at the last commit. So no box needs a list of
- * its neighbours, and a commit goes through one array:
+ * once and in any order; its entry tells whether it was a pair at the last commit (but not until the first commit
+ * after a renewal). So no box needs a list of its neighbours, and a commit goes through one array:
  *
  * 1. All candidates are touched. Those of a box that left its skin are dropped.
  * 2. Boxes that left get new skins and are put into cells (move.c).
@@ -29,23 +29,61 @@ static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, s
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* Settles candidates first ... last - 1; names those that changed and those with a box that left. */
+/* A pair of which a touch finds out; of two that overlap now although one of them left, step 3 does. */
+static inline void settle_if_other(struct settler *s, uint32_t a, uint32_t b, int was, int is)
+{
+    if (is != was) msap_settle_change(s, pair_key(a, b), is);
+}
+
+/* Candidates that are touched: from one on. */
+struct touching {
+    struct grid *grid;
+    size_t from;
+};
+
+/* Settles candidates first ... last - 1 from there on; names those that changed and those with a box that left. */
 static void touch(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct grid *g = context;
-    const struct box *boxes = g->boxes->at;
-    const uint64_t *c = g->candidates.at;
-    int are_many = g->boxes->used > MANY_BOXES;
+    const struct touching *t = context;
+    const struct box *boxes = t->grid->boxes->at;
+    const uint64_t *c = t->grid->candidates.at;
+    int are_many = t->grid->boxes->used > MANY_BOXES;
+    size_t end = t->from + last;
     w->settler.touched += last - first;
-    for (size_t i = first; i < last; i++) {
+    for (size_t i = t->from + first; i < end; i++) {
         uint32_t a = (uint32_t)(c[i] >> 32), entry = (uint32_t)c[i], b = near_slot(entry);
         const struct box *p = &boxes[a], *q = &boxes[b];
-        if (are_many) fetch_candidate(boxes, c, i, last);
+        if (are_many) fetch_candidate(boxes, c, i, end);
         int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = (p->flags | q->flags) & BOX_LEFT;
         if ((is == was) & !left) continue;
         msap_worker_put(w, left ? i | VACANT : i);
         if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
-        if (left ? was && !is : 1) msap_settle_change(&w->settler, pair_key(a, b), is);
+        if (was || !left) settle_if_other(&w->settler, a, b, was, is);
+    }
+}
+
+/* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
+ * that did not rest when all got skins mean nothing: others were found for it (renew.c). */
+static void touch_untold(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct touching *t = context;
+    const struct box_table *boxes = t->grid->boxes;
+    uint64_t *c = t->grid->candidates.at;
+    int are_many = boxes->used > MANY_BOXES;
+    w->settler.touched += last - first;
+    for (size_t i = first; i < last; i++) {
+        uint32_t a = (uint32_t)(c[i] >> 32), b = near_slot((uint32_t)c[i]);
+        if (are_many) fetch_candidate(boxes->at, c, i, last);
+        if (candidate_is_void(boxes, a, b)) {
+            msap_worker_put(w, i | VACANT);
+            continue;
+        }
+        const struct box *p = &boxes->at[a], *q = &boxes->at[b];
+        int left = ((p->flags | q->flags) & BOX_LEFT) != 0, was = were_pair(boxes, a, b);
+        int is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
+        c[i] = (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
+        if (left) msap_worker_put(w, i | VACANT);
+        if (was || !left) settle_if_other(&w->settler, a, b, was, is);
     }
 }
 
@@ -65,34 +103,14 @@ static void tell_changed(const struct grid *g, struct keys *named)
  * names their places. Returns 0 without memory. */
 int msap_candidates_touch(struct grid *g, struct job *job)
 {
+    struct touching t = {g, g->untold};
     job->worker->pairs.n = 0;
-    if (!msap_phase_run(job->crew, job->memory, touch, g, g->candidates.n, WEIGHT_TOUCH)) return 0;
+    if (!msap_phase_run(job->crew, job->memory, touch_untold, &t, t.from, 2 * WEIGHT_TOUCH) ||
+        !msap_phase_run(job->crew, job->memory, touch, &t, g->candidates.n - t.from, WEIGHT_TOUCH))
+        return 0;
+    g->untold = 0;
     tell_changed(g, &job->worker->pairs);
     return 1;
-}
-
-/* Lets candidates first ... last - 1, which are new, know whether they are pairs. Their boxes may be
- * others by now than those that were swept: such are on the list of those that left. */
-static void tell(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct grid *g = context;
-    const struct box *boxes = g->boxes->at;
-    uint64_t *c = g->candidates.at;
-    int are_many = g->boxes->used > MANY_BOXES;
-    for (size_t i = first; i < last; i++) {
-        const struct box *p = &boxes[c[i] >> 32], *q = &boxes[near_slot((uint32_t)c[i])];
-        if (are_many) fetch_candidate(boxes, c, i, last);
-        c[i] |= overlap(&p->now, &q->now) ? NEAR_PAIR : 0;
-        if (!(p->flags & q->flags & BOX_LIVE) || (p->flags | q->flags) & BOX_LEFT) msap_worker_put(w, i);
-    }
-}
-
-/* Between commits, the same of candidates that are new, of boxes most of which rest in new skins. Returns 0
- * without memory. */
-int msap_candidates_tell(struct grid *g, struct job *job)
-{
-    job->worker->pairs.n = 0;
-    return msap_phase_run(job->crew, job->memory, tell, g, g->candidates.n, WEIGHT_TOUCH);
 }
 
 /* ------------------------------------------------------------------- step 3 */

@@ -136,7 +136,7 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 
 /* ----------------------------------------------------------------- renewals */
 
-enum { RENEWAL_STEPS = 5 }; /* a step after each commit */
+enum { RENEWAL_STEPS = 6 }; /* a step after each commit */
 
 static int64_t cost_of_renewal(const struct job *job)
 {
@@ -144,20 +144,25 @@ static int64_t cost_of_renewal(const struct job *job)
     return tests * dearness(job->boxes->live) / ONE;
 }
 
-/* Whether skins may be renewed together. Few boxes are not worth it. */
-static int may_renew(const struct grid *g, const struct job *job)
+/* Whether skins may ever be renewed together. Few boxes are not worth it. */
+static int can_renew(const struct grid *g, const struct job *job)
 {
     enum { FEW = 256 };
-    return job->boxes->live >= FEW && g->n_wide <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO &&
-           g->commit >= g->upkeep.not_before;
+    return job->boxes->live >= FEW && g->n_wide <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
+}
+
+/* Whether they may be now. */
+static int may_renew(const struct grid *g, const struct job *job)
+{
+    return can_renew(g, job) && g->commit >= g->upkeep.not_before;
 }
 
 static int64_t cost_of_candidates(int64_t n) { return n * 3 / 2; }
 
 /* What it costs to put a box elsewhere that has left its skin. */
-static int64_t cost_of_stray(const struct grid *g, const struct job *job)
+static int64_t cost_of_stray(const struct job *job, int64_t candidates)
 {
-    int64_t boxes = (int64_t)job->boxes->live + 1, of_a_box = 2 * (int64_t)g->candidates.n / boxes;
+    int64_t boxes = (int64_t)job->boxes->live + 1, of_a_box = 2 * candidates / boxes;
     return (STRAY_MOVE + of_a_box * STRAY_CANDIDATE) * dearness((size_t)boxes) / ONE;
 }
 
@@ -171,14 +176,19 @@ static int do_many_move(const struct box_table *t)
     return n * step * SHARE >= t->live;
 }
 
-/* What a commit would cost if they were, over and over. */
-static int64_t foreseen_upkeep(const struct grid *g, const struct job *job)
+/* What a commit would cost if skins were renewed over and over and so many boxes left theirs in each commit. */
+static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, double leaving)
 {
-    double moves = foreseen_moves(g) * (ONE + g->doubt) / ONE + 1, horizon = g->upkeep.horizon;
-    double lifetime = (double)job->boxes->n_changed / moves;
-    double commits = (lifetime < horizon ? lifetime : horizon) - RENEWAL_STEPS;
     int64_t candidates = NEIGHBOURS_A_PAIR * (int64_t)job->pairs->active;
-    return cost_of_candidates(candidates) + (int64_t)((double)cost_of_renewal(job) / (commits < 1 ? 1 : commits));
+    int64_t commits = (int64_t)g->upkeep.horizon - RENEWAL_STEPS;
+    return cost_of_candidates(candidates) + cost_of_renewal(job) / (commits < 1 ? 1 : commits) +
+           (int64_t)(leaving * (double)cost_of_stray(job, candidates));
+}
+
+/* Whether it is better than to prune all, by more than may be chance. */
+int msap_skins_will_pay(const struct grid *g, const struct job *job, double leaving)
+{
+    return foreseen_upkeep(g, job, leaving) < costs_of(g, job).jump * 7 / 8;
 }
 
 /* All boxes get skins in this commit. */
@@ -189,12 +199,15 @@ void msap_upkeep_begins(struct grid *g)
     g->upkeep.spent = 0;
 }
 
-/* n boxes are put elsewhere in this commit, each of which costs so much. */
-static void account(struct upkeep *u, int64_t n, int64_t move)
+/* n boxes are put elsewhere in this commit, each of which costs so much. Returns what they cost. */
+static int64_t account(struct upkeep *u, int64_t n, int64_t move)
 {
+    enum { A_FEW = 4 };
+    int64_t moves = n * move;
     u->move = move;
-    u->moves = n * move;
-    u->spent += u->moves;
+    u->lately += (moves - u->lately) / A_FEW;
+    u->spent += moves;
+    return moves;
 }
 
 /* How many boxes would leave their skins within so many commits if they moved on as in the last one:
@@ -220,7 +233,14 @@ int msap_renewal_is_due(const struct grid *g, const struct job *job)
     if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - RENEWAL_STEPS) > renewal * age;
     if (!g->in_skins) return 0;
     int64_t next = u->move * (int64_t)foreseen_to_leave(g, RENEWAL_STEPS + 1) / RENEWAL_STEPS;
-    return u->is_first || (next > u->moves ? next : u->moves) * age > renewal + u->spent;
+    return u->is_first || (next > u->lately ? next : u->lately) * age > renewal + u->spent;
+}
+
+/* Skins would not last: a trial costs little, so there will be others. */
+void msap_trial_failed(struct grid *g)
+{
+    enum { WAIT = 8 };
+    g->upkeep.not_before = g->commit + WAIT;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
@@ -242,7 +262,7 @@ void msap_renewal_was_made(struct grid *g, const struct job *job)
     g->gain -= cost_of_renewal(job);
     u->is_first = 0;
     if (vain * (u->made_for - RENEWAL_STEPS) > cost_of_renewal(job)) u->horizon -= u->horizon / 4;
-    else u->horizon += u->horizon / 4;
+    else u->horizon += u->horizon / 2;
     u->horizon = u->horizon < SHORT ? SHORT : u->horizon > HORIZON_MOST ? HORIZON_MOST : u->horizon;
 }
 
@@ -252,19 +272,20 @@ void msap_renewal_was_made(struct grid *g, const struct job *job)
 static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
 {
     if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
-    g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
-    int64_t upkeep = may_renew(g, job) ? foreseen_upkeep(g, job) : foreseen_cost(g, job);
-    g->gain += c->jump - upkeep;
-    if (g->gain < 0) g->gain = 0;
-    if (!may_renew(g, job)) return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
-    int is_sure = upkeep < c->jump * 3 / 4 && g->doubt < ONE / 2;
     g->upkeep.is_first = 0;
-    g->will_renew = (is_sure || g->gain > cost_of_renewal(job)) && do_many_move(job->boxes);
-    return JUMP_OR_REBUILD;
+    if (can_renew(g, job)) {
+        g->gain = cost_of_renewal(job); /* as if it had been saved already: so skins are not given up soon */
+        g->will_renew = may_renew(g, job) && msap_skins_will_pay(g, job, 0) && do_many_move(job->boxes);
+        return JUMP_OR_REBUILD;
+    }
+    g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
+    g->gain += c->jump - foreseen_cost(g, job);
+    if (g->gain < 0) g->gain = 0;
+    return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
 }
 
-/* While boxes rest in their skins. `early` are those that left one that was made for their motion. */
-static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c, int64_t early)
+/* While boxes rest in their skins. */
+static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c)
 {
     int has_paid = g->gain > 0, is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
     g->quiet = is_quiet ? g->quiet + 1 : 0;
@@ -274,7 +295,7 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     if (c->track <= c->jump + renewal && g->gain > -renewal) return TRACK;
     if (has_paid) g->upkeep.wait = 0;
     else if (!g->upkeep.is_first) msap_renewal_failed(g);
-    if (!g->upkeep.is_first) learn_doubt(g, early);
+    g->will_go_on = g->upkeep.is_first; /* with the skins to come, which are for motion */
     g->gain = 0;
     return JUMP_OR_REBUILD;
 }
@@ -317,12 +338,12 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     }
     int64_t moves = (int64_t)misplaced - leaving;
     if (g->in_skins) {
-        account(&g->upkeep, moves, cost_of_stray(g, job));
-        c.track = g->upkeep.moves + cost_of_candidates((int64_t)g->candidates.n);
+        c.track = account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) +
+                  cost_of_candidates((int64_t)g->candidates.n);
     } else {
         account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - cost_of_tracking(job, 0, 0));
         c.track = cost_of_tracking(job, moves, leaving);
     }
     if (t->live <= FEW) return TRACK;
-    return g->in_skins ? choose_in_skins(g, job, &c, early) : choose_tracked(g, job, &c, early);
+    return g->in_skins ? choose_in_skins(g, job, &c) : choose_tracked(g, job, &c, early);
 }

@@ -96,7 +96,7 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = w->grid.will_rest = w->grid.will_renew = 0;
+    w->grid.will_know_pairs = w->grid.will_rest = w->grid.will_renew = w->grid.will_go_on = 0;
     int has_changed = w->boxes.n_changed > 0;
     if (has_changed) {
         msap_status status = find_events(w);

@@ -88,8 +88,8 @@ void msap_grid_empty_cells(struct grid *g, struct memory *m)
     if (g->is_empty) return;
     for (int i = 0; i < 2; i++) msap_layout_empty(&g->layout[i], &g->pool, m);
     msap_pool_empty(&g->pool);
-    msap_near_empty(&g->near, m, g->slots);
-    g->candidates.n = 0;
+    if (!g->in_skins) msap_near_empty(&g->near, m, g->slots); /* else no box has a list */
+    g->candidates.n = g->untold = 0;
     g->is_empty = 1;
 }
 
@@ -98,6 +98,7 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
+    if (g->in_skins) g->rows.chosen_for = 0; /* they are for skins */
     g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
@@ -112,9 +113,6 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_pool_free(&g->near.pool, m);
     for (int i = 0; i < 2; i++) msap_layout_free(&g->layout[i], m);
     msap_row_set_free(&g->row_set, m);
-    msap_memory_free(m, g->reach, g->room_reach, sizeof *g->reach);
-    g->reach = NULL;
-    g->room_reach = 0;
     msap_keys_free(&g->known, m);
     msap_keys_free(&g->candidates, m);
     msap_renewal_free(&g->renewal, m);

@@ -159,7 +159,7 @@ static const char *lists_broken(const struct grid *g, const struct pair_table *p
 
 /* -------------------------------------------------------------- candidates */
 
-static const char *candidate_broken(const struct grid *g, uint32_t a, uint32_t entry)
+static const char *candidate_broken(const struct grid *g, uint32_t a, uint32_t entry, int is_told)
 {
     uint32_t b = near_slot(entry);
     const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
@@ -167,7 +167,8 @@ static const char *candidate_broken(const struct grid *g, uint32_t a, uint32_t e
         return "a candidate is not in the grid";
     if (p->flags & q->flags & BOX_STATIC) return "two static boxes are candidates";
     if (!overlap(&p->fat, &q->fat)) return "the skins of candidates do not overlap";
-    if (((entry & NEAR_PAIR) != 0) != were_pair(g->boxes, a, b)) return "a candidate is wrong about a pair";
+    if (is_told && ((entry & NEAR_PAIR) != 0) != were_pair(g->boxes, a, b))
+        return "a candidate is wrong about a pair";
     return NULL;
 }
 
@@ -177,9 +178,11 @@ static const char *candidates_broken(const struct grid *g, const struct pair_tab
     size_t found = 0;
     for (size_t i = 0; i < g->candidates.n; i++) {
         uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i];
-        const char *broken = candidate_broken(g, a, entry);
+        int is_told = i >= g->untold;
+        if (!is_told && candidate_is_void(g->boxes, a, near_slot(entry))) continue;
+        const char *broken = candidate_broken(g, a, entry, is_told);
         if (broken) return broken;
-        found += (entry & NEAR_PAIR) != 0;
+        found += (size_t)were_pair(g->boxes, a, near_slot(entry));
     }
     for (size_t slot = 0; slot < g->slots; slot++)
         if (g->near.of[slot].n > 0) return "a box in a skin has a list";

@@ -136,7 +136,7 @@ enum {
 enum { NO_LEVEL = 255 };
 
 /* Commits that skins are made for: a box's first one, and the first ones of all boxes together. */
-enum { HORIZON_FIRST = 24, HORIZON_START = 24, HORIZON_MOST = 64 };
+enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_MOST = 64 };
 
 /* A slot of the box table, and where the box is in the grid: one cache line. A box that
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
@@ -156,6 +156,18 @@ struct box {
 
 /* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */
 enum { MANY_BOXES = 65536 };
+
+/* Bounds of boxes, by slot, so many bytes apart: of those boxes that have all of the flags. */
+struct bounds_by_slot {
+    const void *at;
+    size_t step;
+    uint32_t flags;
+};
+
+static inline const struct bounds *bounds_of_slot(const struct bounds_by_slot *b, size_t slot)
+{
+    return (const struct bounds *)(const void *)((const char *)b->at + slot * b->step);
+}
 
 /* The slot behind this one in the queue of removed or of free slots, or NONE. */
 static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.min[0]; }
@@ -190,6 +202,13 @@ struct box_table {
     struct slot_queue removed; /* since the last commit, in the order of removal */
     struct slot_queue free;    /* to be given out again, in this order */
 };
+
+/* Those that live boxes have now. */
+static inline struct bounds_by_slot bounds_now(const struct box_table *t)
+{
+    const struct bounds_by_slot now = {t->at, sizeof *t->at, BOX_LIVE}; /* `now` is first */
+    return now;
+}
 
 static inline msap_handle handle_of(const struct box_table *t, uint32_t slot)
 {
@@ -552,6 +571,14 @@ enum {
 
 static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
 
+/* Whether a candidate that does not know yet what it is means nothing: a box of it was not there, or in cells,
+ * when all others got skins. */
+static inline int candidate_is_void(const struct box_table *t, uint32_t a, uint32_t b)
+{
+    const struct box *p = &t->at[a], *q = &t->at[b];
+    return !(p->flags & q->flags & BOX_WAS) || p->level != NO_LEVEL || q->level != NO_LEVEL;
+}
+
 /* The neighbours of a box: slots above its own first. */
 struct near_list {
     uint32_t *at; /* entries; NULL: no room */
@@ -724,14 +751,18 @@ struct rows {
 
 static inline uint32_t row_slot(uint32_t id) { return id & ~(ROW_MARKS | ROW_NEW); }
 
-/* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. */
+/* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. So that those can be found that
+ * reach a place, `reach` tells of each REACH boxes of a row where they and those before them in the row end at
+ * most on that axis, which only grows along a row. */
 struct row_set {
     int32_t *min[3], *max[3];
     uint32_t *id;   /* slots with marks */
     int32_t *words; /* all of them */
     uint32_t *end;  /* [rows] behind the last entry of each row */
-    size_t room, room_end;
+    int32_t *reach; /* if it was noted (rows.c) */
+    size_t room, room_end, room_reach;
 };
+enum { REACH = 16 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
@@ -765,9 +796,19 @@ typedef size_t (*ask_row_fn)(const struct row_set *set, const struct row_questio
 ask_row_fn msap_ask_row_for(uint32_t simd);
 
 /* Skins, rows and candidates to come (renew.c). */
-enum renewal_step { NO_RENEWAL, COUNT_ROWS, FILL_ROWS, SWEEP_ROWS, CHANGE_SKINS };
+enum renewal_step {
+    NO_RENEWAL,
+    MAKE_SKINS,
+    MAKE_MORE_SKINS,
+    WATCH_SKINS,
+    COUNT_ROWS,
+    FILL_ROWS,
+    SWEEP_ROWS,
+    CHANGE_SKINS
+};
 struct renewal {
     enum renewal_step next;
+    int is_trial;       /* 1: it is not known yet whether skins last */
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
@@ -776,7 +817,8 @@ struct renewal {
     uint64_t *order;      /* the same, */
     struct row_range *range;
     size_t n, entries;
-    struct keys found; /* candidates */
+    size_t swept;      /* entries that were; */
+    struct keys found; /* candidates of these */
 };
 
 /* What skins cost (choose.c), in tests, and how long they last. */
@@ -788,7 +830,7 @@ struct upkeep {
     uint32_t not_before; /* the commit from which on there may be a renewal */
     uint32_t wait;       /* for how many commits there was none when it had not paid last; 0: it has */
     int64_t move;        /* what it costs to put a box elsewhere, */
-    int64_t moves;       /* those that were in this commit, */
+    int64_t lately;      /* those that were in each of the last few commits, */
     int64_t spent;       /* and since `since` */
 };
 
@@ -814,7 +856,8 @@ struct grid {
     int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
     int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
     int in_skins;   /* while is_resting: the rows hold boxes with their skins (renew.c) */
-    struct keys candidates; /* while in_skins: what are candidates.c's, a << 32 | entry for b */
+    struct keys candidates; /* while in_skins: see candidates.c; a << 32 | entry for b */
+    size_t untold;          /* so many of them, the first ones, do not know yet what they are */
     uint32_t quiet;         /* while in_skins: for how many commits so few changed that skins do not pay */
     struct renewal renewal;
     struct upkeep upkeep;
@@ -825,12 +868,11 @@ struct grid {
     struct row_set row_set;   /* of all boxes that were pruned last, as they were then, */
     uint32_t wide[MOST_WIDE]; /* but for these */
     size_t n_wide;
-    int32_t *reach; /* while is_resting: where boxes of the rows end (rest.c) */
-    size_t room_reach;
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
     int will_renew;      /* the same: all boxes get skins and rest in them */
+    int will_go_on;      /* the same: if all are pruned, the renewal that has begun goes on */
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
 
@@ -878,7 +920,7 @@ struct spread {
     double extent; /* within so much */
     int exponent;  /* a cell is 2^exponent wide */
 };
-void msap_spread_of(const struct box_table *boxes, struct spread s[3]);
+void msap_spread_of(const struct box_table *boxes, const struct bounds_by_slot *bounds, struct spread s[3]);
 double msap_power_of_two(int exponent);
 int msap_exponent_for(double value);
 double msap_cells_on(const struct spread *s);
@@ -888,7 +930,7 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes);
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
-void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first);
+void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);
 int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
 float msap_skin_lifetime(const struct grid *g, uint32_t slot);
@@ -942,7 +984,6 @@ int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 int msap_grid_prune_only(struct grid *g, struct job *job);
-int msap_rest_note_reach(struct grid *g, struct memory *m);
 void msap_renewal_begin(struct grid *g, struct job *job);
 void msap_renewal_go_on(struct grid *g, struct job *job);
 void msap_renewal_at_once(struct grid *g, struct job *job);
@@ -950,10 +991,11 @@ void msap_renewal_free(struct renewal *r, struct memory *m);
 void msap_upkeep_begins(struct grid *g);
 int msap_renewal_is_due(const struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job);
+int msap_skins_will_pay(const struct grid *g, const struct job *job, double leaving);
+void msap_trial_failed(struct grid *g);
 void msap_renewal_failed(struct grid *g);
 int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_candidates_touch(struct grid *g, struct job *job);
-int msap_candidates_tell(struct grid *g, struct job *job);
 int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);

@@ -134,13 +134,11 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
                                 .rows = &g->rows,
                                 .set = &g->row_set,
                                 .slots = job->boxes->used,
-                                .flags = BOX_LIVE,
-                                .bounds = job->boxes->at, /* of which `now` is first */
-                                .step = sizeof *job->boxes->at};
+                                .bounds = bounds_now(job->boxes)};
     if (job->boxes->used > ROW_NEW) /* GCOVR_EXCL_BR_LINE: 2^28 boxes, and a slot has no bits to spare */
         return UNSUITED;            /* GCOVR_EXCL_LINE: the same */
     *p = all;
-    msap_rows_choose(&g->rows, job->boxes, g->commit, COMMITS);
+    msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
     g->n_wide = p->n_wide;
     if (p->n_wide > MOST_WIDE) return UNSUITED;
@@ -160,7 +158,11 @@ int msap_grid_jump(struct grid *g, struct job *job)
     }
     int done = count_all(g, job, p);
     if (done != 1) return done;
-    if (g->is_tracking) msap_grid_empty(g, job->memory);
+    enum renewal_step next = g->will_go_on ? g->renewal.next : NO_RENEWAL;
+    if (g->is_tracking) {
+        msap_grid_empty(g, job->memory);
+        g->renewal.next = next;
+    }
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);

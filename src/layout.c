@@ -35,14 +35,15 @@ static uint64_t sortable(double value) { return msap_encode_float((float)value);
 static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code); }
 
 /* Looks at up to SAMPLES finite boxes. */
-static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
+static void look(const struct box_table *boxes, const struct bounds_by_slot *bounds, uint32_t k, struct spread *s)
 {
     uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
     size_t n = 0, step = boxes->used / SAMPLES + 1;
     for (size_t slot = 0; slot < boxes->used; slot += step) {
-        const struct box *b = &boxes->at[slot];
-        double low = msap_value_of(b->now.min[k]), high = msap_value_of(b->now.max[k]);
-        if (!(b->flags & BOX_LIVE) || !(high - low < 1e30)) continue;
+        const struct bounds *b = bounds_of_slot(bounds, slot);
+        if ((boxes->at[slot].flags & bounds->flags) != bounds->flags) continue;
+        double low = msap_value_of(b->min[k]), high = msap_value_of(b->max[k]);
+        if (!(high - low < 1e30)) continue;
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
     }
@@ -55,9 +56,15 @@ static void look(const struct box_table *boxes, uint32_t k, struct spread *s)
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }
 
-void msap_spread_of(const struct box_table *boxes, struct spread s[3])
+void msap_spread_of(const struct box_table *boxes, const struct bounds_by_slot *bounds, struct spread s[3])
 {
-    for (uint32_t k = 0; k < 3; k++) look(boxes, k, &s[k]);
+    for (uint32_t k = 0; k < 3; k++) look(boxes, bounds, k, &s[k]);
+}
+
+static void spread_now(const struct box_table *boxes, struct spread s[3])
+{
+    const struct bounds_by_slot now = bounds_now(boxes);
+    msap_spread_of(boxes, &now, s);
 }
 
 double msap_cells_on(const struct spread *s)
@@ -192,7 +199,7 @@ int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table 
     struct layout *l = &g->layout[g->current];
     struct spread s[3];
     uint32_t count[3];
-    msap_spread_of(boxes, s);
+    spread_now(boxes, s);
     if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(l, g->config, count);
     else lay_out_for_boxes(l, g->config, s, n, count);
     l->chosen_for = l->n_cells = l->boxes = 0;
@@ -237,7 +244,7 @@ static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
     uint32_t count[3];
     if (msap_is_outgrown(then->chosen_for, boxes_to_hold(g, boxes))) return 1;
     if ((g->commit - then->chosen_at) % COMMITS != COMMITS - 1) return 0;
-    msap_spread_of(boxes, s);
+    spread_now(boxes, s);
     lay_out_for_boxes(&now, g->config, s, boxes_to_hold(g, boxes), count);
     for (int k = 0; k < 3; k++)
         if (now.scale[k] > 3 * then->scale[k] || then->scale[k] > 3 * now.scale[k]) return 1;

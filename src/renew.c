@@ -13,7 +13,7 @@
  * done in steps, one after each of some commits, while the present skins serve; nothing of it shows before the
  * last one.
  *
- * 1. The skins to come are made.
+ * 1. The skins to come are made, in two steps.
  * 2. The boxes are sorted into rows by them (rows.c), in two steps.
  * 3. The rows are swept.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
@@ -26,19 +26,32 @@
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* Makes the skins of the boxes in slots first ... last - 1. */
+/* Boxes that get skins: from a slot on. */
+struct fitting {
+    struct grid *grid;
+    size_t from;
+};
+
+/* Makes the skins of the boxes first ... last - 1 from there on. */
 static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
-    struct grid *g = context;
+    const struct fitting *f = context;
+    struct grid *g = f->grid;
     (void)w;
-    for (size_t slot = first; slot < last; slot++) {
+    for (size_t slot = f->from + first; slot < f->from + last; slot++) {
         if (!(g->boxes->at[slot].flags & BOX_LIVE)) continue;
         msap_skin_ahead(g, (uint32_t)slot, &g->renewal.fat[slot]);
         g->boxes->at[slot].flags |= BOX_FITTED;
     }
 }
 
-/* Returns 0 without memory. */
+static void fit_all(struct grid *g, struct job *job, size_t from, size_t to)
+{
+    struct fitting f = {g, from};
+    msap_phase_run(job->crew, job->memory, fit, &f, to - from, WEIGHT_SKIN); /* it finds nothing */
+}
+
+/* Those of the first half. Returns 0 without memory. */
 static int make_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
@@ -48,8 +61,38 @@ static int make_skins(struct grid *g, struct job *job)
     if (!msap_memory_reserve(job->memory, &r->fat, &r->room_fat, t->used, 0, sizeof *r->fat)) return 0;
     r->slots = t->used;
     msap_upkeep_begins(g);
-    msap_phase_run(job->crew, job->memory, fit, g, t->used, WEIGHT_SKIN); /* it finds nothing */
+    fit_all(g, job, 0, r->slots / 2);
     return 1;
+}
+
+/* Those of the other half. */
+static int make_more_skins(struct grid *g, struct job *job)
+{
+    fit_all(g, job, g->renewal.slots / 2, g->renewal.slots);
+    return 1;
+}
+
+/* ------------------------------------------------------------------- trial */
+
+/* How many boxes have left the skins that were made for them: estimated from some. */
+static size_t count_outside(const struct grid *g)
+{
+    enum { SAMPLES = 256 };
+    size_t step = g->renewal.slots / SAMPLES + 1, n = 0;
+    for (size_t slot = 0; slot < g->renewal.slots && slot < g->boxes->used; slot += step) {
+        const struct box *b = &g->boxes->at[slot];
+        int is_fitted = (b->flags & (BOX_LIVE | BOX_FITTED)) == (BOX_LIVE | BOX_FITTED);
+        n += is_fitted && !contains(&g->renewal.fat[slot], &b->now);
+    }
+    return n * step; /* each stands for so many */
+}
+
+enum { TRIAL = 16 /* commits */ };
+
+/* Whether, as far as the trial has come, skins will pay. They are in use once all steps are done. */
+static int watch_skins(struct grid *g, struct job *job)
+{
+    return msap_skins_will_pay(g, job, (double)count_outside(g) / (TRIAL - CHANGE_SKINS));
 }
 
 /* ------------------------------------------------------------------- step 2 */
@@ -61,9 +104,7 @@ static struct pruning pruning_of(struct grid *g, struct job *job)
                               .rows = &r->rows,
                               .set = &r->set,
                               .slots = r->slots,
-                              .flags = BOX_LIVE | BOX_FITTED,
-                              .bounds = r->fat,
-                              .step = sizeof *r->fat};
+                              .bounds = {r->fat, sizeof *r->fat, BOX_LIVE | BOX_FITTED}};
     return p;
 }
 
@@ -73,8 +114,7 @@ static int count_rows(struct grid *g, struct job *job)
     enum { COMMITS = 256 };
     struct renewal *r = &g->renewal;
     struct pruning p = pruning_of(g, job);
-    r->rows = g->rows;
-    msap_rows_choose(&r->rows, job->boxes, g->commit, COMMITS);
+    msap_rows_choose(&p, g->commit, COMMITS);
     if (!msap_rows_count(&p, &r->words) || p.n_wide > MOST_WIDE) return 0;
     for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     r->order = p.order;
@@ -84,18 +124,19 @@ static int count_rows(struct grid *g, struct job *job)
     return msap_rows_sort(&p);
 }
 
-/* The second half, of the same boxes, whatever has become of them. */
+/* The second half, of the same boxes, whatever has become of them. Returns 0 without memory. */
 static int fill_rows(struct grid *g, struct job *job)
 {
-    const struct renewal *r = &g->renewal;
+    struct renewal *r = &g->renewal;
     struct pruning p = pruning_of(g, job);
     p.order = r->order;
     p.range = r->range;
     p.n = r->n;
     p.entries = r->entries;
     p.end = r->set.end;
+    r->swept = r->found.n = 0;
     msap_rows_fill(&p);
-    return 1;
+    return msap_rows_note_reach(&r->set, &r->rows, job->memory);
 }
 
 /* ------------------------------------------------------------------- step 3 */
@@ -109,27 +150,41 @@ static void take(const void *context, struct worker *w, const struct pair_buffer
     w->pairs.n += found->n;
 }
 
-/* Sweeps from entries first ... last - 1. */
+/* Entries from one on. */
+struct swept {
+    const struct grid *grid;
+    size_t from;
+};
+
+/* Sweeps from entries first ... last - 1 from there on. */
 static void sweep(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct grid *g = context;
-    const struct renewal *r = &g->renewal;
-    msap_rows_sweep(&r->set, &r->rows, g->sweep_row, first, last, take, NULL, w);
+    const struct swept *s = context;
+    const struct renewal *r = &s->grid->renewal;
+    msap_rows_sweep(&r->set, &r->rows, s->grid->sweep_row, s->from + first, s->from + last, take, NULL, w);
 }
 
-/* Returns 0 without memory. */
+static void exchange(struct keys *a, struct keys *b)
+{
+    const struct keys c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* The more candidates boxes have, the more steps it takes. Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
+    enum { FEW = 3, MOST_STEPS_OF_IT = 4 };
     struct renewal *r = &g->renewal;
-    struct keys *pairs = &job->worker->pairs;
-    pairs->n = 0;
-    if (!msap_phase_run(job->crew, job->memory, sweep, g, r->entries, WEIGHT_ROW_BOX)) return 0;
-    if (pairs->n > UINT32_MAX) /* GCOVR_EXCL_BR_LINE: notes could not name them; they take 32 GB */
-        return 0;              /* GCOVR_EXCL_LINE: the same */
-    const struct keys found = *pairs;
-    *pairs = r->found; /* it does not matter what of */
-    r->found = found;
-    return 1;
+    size_t steps = 1 + pairs_of_a_box(job) / FEW;
+    size_t share = r->entries / (steps < MOST_STEPS_OF_IT ? steps : MOST_STEPS_OF_IT) + 1,
+           left = r->entries - r->swept;
+    struct swept part = {g, r->swept};
+    r->swept += share < left ? share : left;
+    exchange(&job->worker->pairs, &r->found);
+    int done = msap_phase_run(job->crew, job->memory, sweep, &part, r->swept - part.from, WEIGHT_ROW_BOX);
+    exchange(&job->worker->pairs, &r->found);
+    return done && r->found.n <= UINT32_MAX; /* what is named by more bits takes 32 GB */
 }
 
 /* ------------------------------------------------------------------- step 4 */
@@ -149,28 +204,28 @@ static int change_over(struct grid *g, struct job *job)
     g->rows = r->rows;
     g->row_set = r->set;
     g->candidates = r->found;
+    g->untold = g->candidates.n;
     r->set = set;
     r->found = candidates;
     g->is_tracking = g->is_resting = g->in_skins = 1;
     g->is_jumping = g->is_empty = 0;
     g->quiet = 0;
-    if ((msap_is_outgrown(l->chosen_for, boxes) || g->commit - l->chosen_at > COMMITS) &&
-        !msap_layout_choose(g, job->memory, job->boxes, boxes))
-        return 0;
-    return msap_rest_note_reach(g, job->memory);
+    return !(msap_is_outgrown(l->chosen_for, boxes) || g->commit - l->chosen_at > COMMITS) ||
+           msap_layout_choose(g, job->memory, job->boxes, boxes);
 }
 
 /* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that
  * left, which is empty. */
-static void put_on(struct grid *g, struct box_table *t, int is_first)
+static void put_on(struct grid *g, struct box_table *t, int are_new)
 {
     const struct renewal *r = &g->renewal;
     for (uint32_t slot = 0; slot < t->used; slot++) {
         struct box *b = &t->at[slot];
         if (!(b->flags & BOX_LIVE)) continue;
+        if (b->level == NO_LEVEL && b->wobble > 0) b->wobble--; /* its last skin was right */
         b->level = NO_LEVEL;
         b->fat = b->flags & BOX_FITTED ? r->fat[slot] : b->now;
-        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) msap_skin_starts(g, slot, is_first);
+        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) msap_skin_starts(g, slot, are_new);
         else box_mark_left(t, slot);
     }
 }
@@ -179,12 +234,12 @@ static void put_on(struct grid *g, struct box_table *t, int is_first)
 static int install(struct grid *g, struct job *job)
 {
     struct box_table *t = job->boxes;
-    int is_first = !g->in_skins;
+    int are_new = !g->in_skins;
     g->moves += t->live;
     if (!change_over(g, job)) return 0;
-    put_on(g, t, is_first);
-    int done = msap_candidates_tell(g, job) && msap_place_all(g, job, t->left, t->n_left) &&
-               msap_candidates_find(g, job, t->left, t->n_left);
+    put_on(g, t, are_new);
+    job->worker->pairs.n = 0; /* no candidate is dropped */
+    int done = msap_place_all(g, job, t->left, t->n_left) && msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
     return done;
@@ -192,40 +247,61 @@ static int install(struct grid *g, struct job *job)
 
 /* ---------------------------------------------------------------- the whole */
 
+/* The step after one that was done. At the end of a trial, which is sooner where no box leaves, the skins are made
+ * anew, to be used. */
+static enum renewal_step step_after(struct grid *g, enum renewal_step now)
+{
+    struct renewal *r = &g->renewal;
+    if (now == MAKE_MORE_SKINS && !r->is_trial) return COUNT_ROWS;
+    if (now == WATCH_SKINS) {
+        uint32_t age = g->commit - g->upkeep.since;
+        if (age < TRIAL / 2 || (age < TRIAL && count_outside(g) > 0)) return now;
+        r->is_trial = 0;
+        return MAKE_SKINS;
+    }
+    if (now == SWEEP_ROWS && r->swept < r->entries) return now;
+    return now == CHANGE_SKINS ? NO_RENEWAL : now + 1;
+}
+
 /* The next step. Without memory, and where there are many wide boxes, the skins to come are given up; in
  * the last step, all that is kept. */
 void msap_renewal_go_on(struct grid *g, struct job *job)
 {
-    static int (*const steps[])(struct grid * g, struct job * job) = {[COUNT_ROWS] = count_rows,
-                                                                      [FILL_ROWS] = fill_rows,
-                                                                      [SWEEP_ROWS] = find_candidates,
-                                                                      [CHANGE_SKINS] = install};
+    static int (*const steps[])(struct grid * g, struct job * job) = {
+        [MAKE_SKINS] = make_skins,   [MAKE_MORE_SKINS] = make_more_skins,
+        [WATCH_SKINS] = watch_skins, [COUNT_ROWS] = count_rows,
+        [FILL_ROWS] = fill_rows,     [SWEEP_ROWS] = find_candidates,
+        [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
     g->renewal.next = NO_RENEWAL;
     int done = steps[now](g, job);
     if (!done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
-    if (!done) msap_renewal_failed(g);
+    if (!done && now == WATCH_SKINS) msap_trial_failed(g);
+    else if (!done) msap_renewal_failed(g);
     else if (now == CHANGE_SKINS) msap_renewal_was_made(g, job);
-    else g->renewal.next = now + 1;
+    if (done) g->renewal.next = step_after(g, now);
 }
 
-/* The first step. */
+/* The first step. While all boxes are pruned, it begins with a trial. */
 void msap_renewal_begin(struct grid *g, struct job *job)
 {
-    g->renewal.next = make_skins(g, job) ? COUNT_ROWS : NO_RENEWAL;
-    if (g->renewal.next == NO_RENEWAL) msap_renewal_failed(g);
+    g->renewal.is_trial = !g->is_tracking;
+    g->renewal.next = MAKE_SKINS;
+    msap_renewal_go_on(g, job);
 }
 
-/* All steps, after a jump. When a world is loaded skins are made for any motion, and where boxes have many
- * pairs that would be dear. */
+/* All steps, when a world is loaded: skins for any motion, and candidates that know already what they are. Where
+ * boxes have many pairs that would be dear. */
 void msap_renewal_at_once(struct grid *g, struct job *job)
 {
     enum { MANY = 12 };
-    int is_first = g->upkeep.is_first;
-    if (is_first && pairs_of_a_box(job) > MANY) return;
-    g->renewal.next = make_skins(g, job) ? COUNT_ROWS : NO_RENEWAL;
+    if (pairs_of_a_box(job) > MANY) return;
+    g->renewal.is_trial = 0;
+    g->renewal.next = MAKE_SKINS;
     while (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
-    g->upkeep.is_first = is_first;
+    int done = msap_candidates_touch(g, job) && msap_candidates_find(g, job, NULL, 0);
+    if (!done) msap_grid_empty(g, job->memory);
+    g->upkeep.is_first = 1;
     g->gain = 0;
 }
 

@@ -13,48 +13,16 @@
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
  * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
  * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what all
- * boxes are to each other candidates tell.
- *
- * Rows are sorted by where boxes start. So that those can be found that reach a place, `reach` tells of each
- * REACH boxes of a row where they and those before them in the row end at most, which only grows along
- * a row. */
+ * boxes are to each other candidates tell. */
 #include "rows.h"
 
-enum { REACH = 16 };
-
-/* ------------------------------------------------------------------- reach */
-
-/* Where the reach of the first boxes of a row stands. */
-static size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
-
-static void reach_in_row(const struct grid *g, size_t row)
-{
-    const struct row_set *set = &g->row_set;
-    uint32_t start = row_start(set, row);
-    int32_t *reach = g->reach + reach_of(row, start), most = INT32_MIN;
-    for (uint32_t i = start; i < set->end[row]; i++) {
-        most = set->max[0][i] > most ? set->max[0][i] : most;
-        reach[(i - start) / REACH] = most;
-    }
-}
-
-/* Returns 0 without memory. */
-int msap_rest_note_reach(struct grid *g, struct memory *m)
-{
-    size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
-    if (!msap_memory_reserve(m, &g->reach, &g->room_reach, reach_of(rows, g->row_set.end[rows - 1]) + 1, 0,
-                             sizeof *g->reach))
-        return 0;
-    for (size_t row = 0; row < rows; row++) reach_in_row(g, row);
-    return 1;
-}
+/* ------------------------------------------------------------------- asking */
 
 /* The first box of a row, but for REACH, that may reach a value. */
-static uint32_t first_that_reaches(const struct grid *g, size_t row, int32_t value)
+static uint32_t first_that_reaches(const struct row_set *set, size_t row, int32_t value)
 {
-    uint32_t start = row_start(&g->row_set, row), low = 0,
-             high = (g->row_set.end[row] - start + REACH - 1) / REACH;
-    const int32_t *reach = g->reach + reach_of(row, start);
+    uint32_t start = row_start(set, row), low = 0, high = (set->end[row] - start + REACH - 1) / REACH;
+    const int32_t *reach = set->reach + reach_of(row, start);
     while (low < high) {
         uint32_t middle = (low + high) / 2;
         if (reach[middle] < value) low = middle + 1;
@@ -62,8 +30,6 @@ static uint32_t first_that_reaches(const struct grid *g, size_t row, int32_t val
     }
     return start + low * REACH;
 }
-
-/* ------------------------------------------------------------------- asking */
 
 /* Drops, of the boxes found from the n-th on, those that do not rest or lack flags; returns how many are left. */
 static size_t keep_resting(const struct grid *g, const struct row_question *q, uint32_t *found, size_t n,
@@ -81,7 +47,7 @@ static size_t keep_resting(const struct grid *g, const struct row_question *q, u
 static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
 {
     const struct grid *g = context;
-    struct row_sweep at = {.i = first_that_reaches(g, row, q->min[0]), .end = g->row_set.end[row]};
+    struct row_sweep at = {.i = first_that_reaches(&g->row_set, row, q->min[0]), .end = g->row_set.end[row]};
     while (at.i < at.end) {
         if (!msap_worker_room_to_find(w, n, ENTRIES_ASKED)) return SIZE_MAX;
         n = keep_resting(g, q, w->found, n, n + g->ask_row(&g->row_set, q, &at, w->found + n));
@@ -141,10 +107,12 @@ int msap_rest_begin(struct grid *g, struct job *job, size_t n)
     g->is_jumping = 0;
     g->is_tracking = g->is_resting = 1;
     g->gain = 0;
+    g->renewal.next = NO_RENEWAL;
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     g->is_empty = 0;
     call_wide(g, &job->worker->settler);
-    return msap_rest_note_reach(g, job->memory) && msap_layout_choose(g, job->memory, job->boxes, n + g->n_wide);
+    return msap_rows_note_reach(&g->row_set, &g->rows, job->memory) &&
+           msap_layout_choose(g, job->memory, job->boxes, n + g->n_wide);
 }
 
 /* ------------------------------------------------------------------ checking */
@@ -171,7 +139,7 @@ static const char *row_broken(const struct grid *g, size_t row, uint64_t *entrie
 {
     const struct row_set *set = &g->row_set;
     uint32_t start = row_start(set, row);
-    const int32_t *reach = g->reach + reach_of(row, start);
+    const int32_t *reach = set->reach + reach_of(row, start);
     int32_t most = INT32_MIN;
     for (uint32_t i = start; i < set->end[row]; i++) {
         uint32_t slot = row_slot(set->id[i]);

@@ -32,11 +32,12 @@ static uint32_t finest_axis(const struct spread s[3])
 
 /* Rows are half as wide again as most boxes or more, and wider while a sweep would meet only few
  * boxes at a time. */
-static void choose_rows(struct rows *r, const struct box_table *boxes, uint32_t commit)
+static void choose_rows(struct pruning *p, uint32_t commit)
 {
+    struct rows *r = p->rows;
     struct spread s[3];
-    msap_spread_of(boxes, s);
-    double active = (double)boxes->live;
+    double active = (double)p->job->boxes->live;
+    msap_spread_of(p->job->boxes, &p->bounds, s);
     for (uint32_t k = 0; k < 3; k++) {
         s[k].exponent = msap_exponent_for(1.5 * s[k].size);
         if (s[k].extent > 0) active *= 2 * s[k].size / s[k].extent;
@@ -53,15 +54,16 @@ static void choose_rows(struct rows *r, const struct box_table *boxes, uint32_t 
         r->count[k] = cells > 1 ? msap_count_for(cells < LEAST_COUNT ? LEAST_COUNT : cells) : 1;
         r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
-    r->chosen_for = boxes->live + 1;
+    r->chosen_for = p->job->boxes->live + 1;
     r->chosen_at = commit;
 }
 
 /* Chooses rows if those there are do not suit the boxes any more, or are older than so many commits. */
-void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit, uint32_t most)
+void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most)
 {
-    if (msap_is_outgrown(r->chosen_for, boxes->live) || commit - r->chosen_at > most)
-        choose_rows(r, boxes, commit);
+    const struct rows *r = p->rows;
+    if (msap_is_outgrown(r->chosen_for, p->job->boxes->live) || commit - r->chosen_at > most)
+        choose_rows(p, commit);
 }
 
 /* --------------------------------------------------------------- steps 1, 2 */
@@ -100,8 +102,8 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     struct pruning *j = context;
     const struct rows rows_now = *j->rows, *r = &rows_now;
     const struct box_table *t = j->job->boxes;
-    const struct pruning p = {.bounds = j->bounds, .step = j->step};
-    uint32_t sweep_axis = r->axis[0], flags = j->flags;
+    const struct bounds_by_slot all = j->bounds;
+    uint32_t sweep_axis = r->axis[0];
     size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
     struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
     uint64_t *order = j->order + first;
@@ -110,8 +112,8 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
         const struct box *b = &t->at[slot];
         struct row_range *range = &j->range[slot];
-        if ((b->flags & flags) != flags) continue;
-        const struct bounds *bounds = bounds_to_prune(&p, slot);
+        if ((b->flags & all.flags) != all.flags) continue;
+        const struct bounds *bounds = bounds_of_slot(&all, slot);
         uint64_t rows = range_rows(r, bounds, range);
         range->is_static = (b->flags & BOX_STATIC) != 0;
         range->is_new = !(b->flags & BOX_WAS);
@@ -213,8 +215,8 @@ static void fill_rows(void *context, struct worker *w, size_t first, size_t last
         max[axis[k]] = j->set->max[k];
     }
     for (size_t i = first; i < last; i++) {
-        const struct bounds *b = bounds_to_prune(j, row_slot(id[i]));
-        if (i + AHEAD < last) prefetch(bounds_to_prune(j, row_slot(id[i + AHEAD])));
+        const struct bounds *b = bounds_of_slot(&j->bounds, row_slot(id[i]));
+        if (i + AHEAD < last) prefetch(bounds_of_slot(&j->bounds, row_slot(id[i + AHEAD])));
         min[0][i] = b->min[0];
         min[1][i] = b->min[1];
         min[2][i] = b->min[2];
@@ -274,6 +276,27 @@ void msap_rows_fill(struct pruning *j)
     start_rows(j, (size_t)j->rows->count[0] * j->rows->count[1]);
     list_rows(j);
     msap_phase_run(j->job->crew, j->job->memory, fill_rows, j, j->entries, WEIGHT_FILL); /* it finds nothing */
+}
+
+/* -------------------------------------------------------------------- reach */
+
+static void reach_in_row(struct row_set *set, size_t row)
+{
+    uint32_t start = row_start(set, row);
+    int32_t *reach = set->reach + reach_of(row, start), most = INT32_MIN;
+    for (uint32_t i = start; i < set->end[row]; i++) {
+        most = set->max[0][i] > most ? set->max[0][i] : most;
+        reach[(i - start) / REACH] = most;
+    }
+}
+
+/* Before rows can be asked what reaches a place. Returns 0 without memory. */
+int msap_rows_note_reach(struct row_set *set, const struct rows *r, struct memory *m)
+{
+    size_t rows = (size_t)r->count[0] * r->count[1], n = reach_of(rows, set->end[rows - 1]) + 1;
+    if (!msap_memory_reserve(m, &set->reach, &set->room_reach, n, 0, sizeof *set->reach)) return 0;
+    for (size_t row = 0; row < rows; row++) reach_in_row(set, row);
+    return 1;
 }
 
 /* ----------------------------------------------------------------- sweeping */
@@ -359,5 +382,6 @@ void msap_row_set_free(struct row_set *set, struct memory *m)
 {
     msap_memory_free(m, set->words, set->room, sizeof *set->words);
     msap_memory_free(m, set->end, set->room_end, sizeof *set->end);
+    msap_memory_free(m, set->reach, set->room_reach, sizeof *set->reach);
     memset(set, 0, sizeof *set);
 }

@@ -65,26 +65,22 @@ struct counted {
 /* Rows in the making. */
 struct pruning {
     struct job *job;
-    const struct rows *rows;
+    struct rows *rows;
     struct row_set *set;
-    size_t slots;            /* of the boxes; */
-    uint32_t flags;          /* those that have all of these are pruned */
-    const void *bounds;      /* by slot, */
-    size_t step;             /* so many bytes apart; in a larger struct */
-    uint32_t news;           /* how boxes are marked that are new */
-    uint64_t *order;         /* [n] keys of the boxes by their min on the sweep axis */
-    struct row_range *range; /* [slots] */
-    uint32_t *wide;          /* [n_wide] slots of the wide boxes */
+    size_t slots;                 /* of the boxes */
+    struct bounds_by_slot bounds; /* of those that are pruned, in larger structs */
+    uint32_t news;                /* how boxes are marked that are new */
+    uint64_t *order;              /* [n] keys of the boxes by their min on the sweep axis */
+    struct row_range *range;      /* [slots] */
+    uint32_t *wide;               /* [n_wide] slots of the wide boxes */
     size_t n, n_wide, entries;
     uint32_t *end;    /* [rows] behind the last box of each row */
     uint32_t *end_by; /* [rows] the same of each worker but the calling thread's */
     struct counted by[1 + MOST_WORKERS];
 };
 
-static inline const struct bounds *bounds_to_prune(const struct pruning *p, uint32_t slot)
-{
-    return (const struct bounds *)(const void *)((const char *)p->bounds + slot * p->step);
-}
+/* Where the reach of the first boxes of a row stands. */
+static inline size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
 
 /* Where a row starts. */
 static inline uint32_t row_start(const struct row_set *set, size_t row) { return row > 0 ? set->end[row - 1] : 0; }
@@ -96,10 +92,11 @@ typedef size_t (*ask_one_row_fn)(const void *context, struct worker *w, const st
 /* Receives pairs that are found. */
 typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
 
-void msap_rows_choose(struct rows *r, const struct box_table *boxes, uint32_t commit, uint32_t most);
+void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);
 int msap_rows_sort(struct pruning *p);
 void msap_rows_fill(struct pruning *p);
+int msap_rows_note_reach(struct row_set *set, const struct rows *r, struct memory *m);
 void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,
                      size_t last, take_pairs_fn take, const void *context, struct worker *w);
 size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const struct row_question *q,

@@ -232,10 +232,10 @@ static float spread(uint32_t slot, uint32_t commit)
     return 0.5f + (float)(mixed >> 24) / 512;
 }
 
-/* For how many commits the box would go on within its own size, `most` at the most. */
-static float reach(const struct motion *m, float most)
+/* For how many commits the box would go on within so many times its own size, `most` at the most. */
+static float reach(const struct motion *m, float most, float sizes)
 {
-    return m->step * most <= m->size ? most : m->size / m->step;
+    return m->step * most <= m->size * sizes ? most : m->size * sizes / m->step;
 }
 
 /* ------------------------------------------------------------------- skins */
@@ -243,7 +243,7 @@ static float reach(const struct motion *m, float most)
 /* Makes the skin for a box's motion. */
 static void follow(struct box *b, const struct motion *m, float part)
 {
-    float horizon = reach(m, b->horizon);
+    float horizon = reach(m, b->horizon, 1);
     if (!(horizon >= HORIZON_LEAST && m->size < FAR)) return;
     b->horizon = (uint8_t)horizon;
     horizon *= part;
@@ -296,7 +296,7 @@ float msap_skin_lifetime(const struct grid *g, uint32_t slot)
         horizon = m.step * HORIZON_MOST <= margin ? HORIZON_MOST : margin / m.step;
         return horizon >= 1 ? horizon : 1;
     }
-    horizon = reach(&m, HORIZON_MOST);
+    horizon = reach(&m, HORIZON_MOST, 1);
     return horizon >= HORIZON_LEAST ? horizon * 3 / 4 : 1;
 }
 
@@ -328,17 +328,19 @@ struct readable {
     int32_t fourth;
 };
 
-/* Makes the skin of a box, to last as long as all others', between commits. A box that is new may move
- * anywhere; one that stands still may tremble; and a step of floats that are far apart is soon made. */
+/* Makes the skin of a box, to last as long as all others', between commits: it may be far longer than the box if
+ * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a
+ * step of floats that are far apart is soon made. */
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
-    enum { STEP_ASIDE = 2 };
+    enum { STEP_ASIDE = 2, STEADY_SIZES = 3 };
     const struct box *b = &g->boxes->at[slot];
     struct readable skin = {b->now, 0};
     *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
     if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
     struct motion m = motion_of(g, slot);
-    float horizon = reach(&m, (float)g->upkeep.horizon), aside = m.step * horizon * (float)b->wobble / 8;
+    float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
+          aside = m.step * horizon * (float)b->wobble / 8;
     int came = b->changed_in == g->boxes->epoch - 1 && is_new(g->boxes, slot);
     float least = m.size * (came ? 12 : 1) / 32;
     if (!(m.size < FAR)) return;
@@ -361,13 +363,13 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
     return !contains(&b->fat, &then.bounds);
 }
 
-/* The skin of a box that it got with all others starts; those that are the first a world gets count as old, as
- * any first skin. Where the box was counts from an earlier one, unless that is long ago: so one who crawls
- * is known better and better. */
-void msap_skin_starts(const struct grid *g, uint32_t slot, int is_first)
+/* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that
+ * is long ago or there was none, `is_new`: so one who crawls is known better and better. The first skins that a
+ * world gets are good enough however soon they are left. */
+void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new)
 {
+    enum { SHORT = 8 };
     struct box *b = &g->boxes->at[slot];
-    b->horizon = (uint8_t)g->upkeep.made_for;
-    if (is_first) start(g, slot, g->upkeep.is_first ? HORIZON_MOST : 0);
-    else if (skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, 0);
+    b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
+    if (is_new || skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, 0);
 }

@@ -329,8 +329,8 @@ void msap_grid_prepare(struct grid *g, struct job *job)
 {
     enum { LONG = 4 };
     if (g->will_rest) rest_loaded(g, job);
-    if (g->will_renew && g->is_jumping) msap_renewal_at_once(g, job);
+    if (g->will_renew && g->upkeep.is_first && g->is_jumping) msap_renewal_at_once(g, job);
     else if (g->quiet > (g->upkeep.is_first ? 0 : LONG)) rest_without_skins(g, job);
     else if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
-    else if (g->is_tracking && msap_renewal_is_due(g, job)) msap_renewal_begin(g, job);
+    else if (g->is_tracking ? msap_renewal_is_due(g, job) : g->will_renew) msap_renewal_begin(g, job);
 }

@@ -122,7 +122,7 @@ START_TEST(all_walk)
             if (is_free(&w) && frame > 10) ck_assert(grid_of(&w)->in_skins);
         }
         for (int step = 0; step <= CHANGE_SKINS && is_free(&w); step++)
-            ck_assert_int_ge(steps[step], 2);
+            if (step != MAKE_SKINS && step != WATCH_SKINS) ck_assert_int_ge(steps[step], 2);
         right(session_close(&w.s));
     }
 }
@@ -150,6 +150,18 @@ static void happen(walkers *w, int what)
     }
 }
 
+/* A scene in which something happens before each time that a step comes. Returns how often. */
+static int walk_through(walkers *w, int what, int step, int frames)
+{
+    int times = 0;
+    for (int frame = 0; frame < frames; frame++) {
+        walk(w, what == STOP ? 2 : 0);
+        if ((int)grid_of(w)->renewal.next == step && frame > 1) happen(w, times++ % 2 ? GO : what);
+        end_frame(w);
+    }
+    return times;
+}
+
 /* Everything happens before each step, and before each two. */
 START_TEST(all_happens_between_the_steps)
 {
@@ -157,15 +169,33 @@ START_TEST(all_happens_between_the_steps)
     for (int what = 0; what < HAPPENINGS; what++)
         for (int step = NO_RENEWAL; step <= CHANGE_SKINS; step++) {
             walkers w;
-            int times = 0;
+            if (step == MAKE_SKINS || step == WATCH_SKINS) continue; /* see below */
             open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
             put_some(&w, 300, 0.08f, 2);
-            for (int frame = 0; frame < 16; frame++) {
-                walk(&w, what == STOP ? 2 : 0);
-                if ((int)grid_of(&w)->renewal.next == step && frame > 1) happen(&w, times++ % 2 ? GO : what);
+            int times = walk_through(&w, what, step, 18);
+            if (is_free(&w)) ck_assert_int_gt(times, 0);
+            right(session_close(&w.s));
+        }
+}
+END_TEST
+
+/* The same after all have jumped about: skins are tried, while all are pruned, before they are used. In each set-up
+ * something else happens, in the default one everything. */
+START_TEST(all_happens_in_a_trial)
+{
+    if (!chooses(_i)) return;
+    for (int what = 0; what < HAPPENINGS; what++)
+        for (int step = MAKE_SKINS; step <= CHANGE_SKINS; step++) {
+            walkers w;
+            if (_i != DEFAULT && _i % HAPPENINGS != what) continue;
+            open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
+            put_some(&w, 300, 0.08f, 2);
+            for (int frame = 0; frame < 4; frame++) {
+                happen(&w, ALL_JUMP);
                 end_frame(&w);
             }
-            if (is_free(&w)) ck_assert_int_gt(times, 0);
+            int times = walk_through(&w, what, step, 50);
+            if (is_free(&w) && step <= WATCH_SKINS) ck_assert_int_gt(times, 0);
             right(session_close(&w.s));
         }
 }
@@ -229,7 +259,7 @@ static int compare_keys(const void *a, const void *b)
 /* No candidate comes twice, whichever of its boxes comes first. */
 static void candidates_are_distinct(const walkers *w)
 {
-    static uint64_t key[20000];
+    static uint64_t key[300 * 299 / 2];
     const struct keys *all = &grid_of(w)->candidates;
     ck_assert_uint_le(all->n, COUNT(key));
     for (size_t i = 0; i < all->n; i++)
@@ -298,7 +328,7 @@ START_TEST(boxes_stop_and_walk_on)
     open_walk(&w, _i, 3, 8);
     put_some(&w, 400, 0.05f, 0);
     for (int round = 0; round < 2; round++) {
-        for (int frame = 0; frame < 30; frame++) {
+        for (int frame = 0; frame < (round == 0 ? 30 : 90); frame++) { /* then skins are tried before */
             walk(&w, 0);
             end_frame(&w);
         }
@@ -437,6 +467,7 @@ int main(void)
     TCase *tests = tcase_create("renewing");
     tcase_add_loop_test(tests, all_walk, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
+    tcase_add_loop_test(tests, all_happens_in_a_trial, 0, SETUPS);
     tcase_add_loop_test(tests, slots_are_given_out_again, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_freeze, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_lie_in_all_rows, 0, SETUPS);

@@ -344,9 +344,9 @@ START_TEST(broken_rows)
     g->row_set.end[last] = last > 0 ? g->row_set.end[last - 1] : 0;
     is_broken(l.s.world, "a box that rests is not in all rows that it touches");
     g->row_set.end[last] = end;
-    g->reach[0]++;
+    g->row_set.reach[0]++;
     is_broken(l.s.world, "a row reaches elsewhere than is told");
-    g->reach[0]--;
+    g->row_set.reach[0]--;
     right(session_compare(&l.s));
     right(session_close(&l.s));
 }

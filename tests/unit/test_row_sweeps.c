@@ -131,8 +131,9 @@ static void ask_at_random(const struct row_set *set, uint64_t *random, uint32_t 
 START_TEST(every_sweep_gives_the_pairs_of_a_row)
 {
     uint64_t random = 11 + (uint64_t)_i;
-    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0};
+    struct row_set set;
     struct memory m;
+    memset(&set, 0, sizeof set);
     ok(msap_memory_init(&m, NULL, NULL, NULL));
     for (uint32_t n = 1; n <= MOST_ENTRIES; n++) {
         fill_row(&set, &m, &random, n, 64, 1u << _i);
@@ -150,8 +151,9 @@ END_TEST
 START_TEST(bounds_may_be_any_numbers)
 {
     uint64_t random = 5;
-    struct row_set set = {{0}, {0}, NULL, NULL, NULL, 0, 0};
+    struct row_set set;
     struct memory m;
+    memset(&set, 0, sizeof set);
     ok(msap_memory_init(&m, NULL, NULL, NULL));
     for (int round = 0; round < 200; round++) {
         fill_row(&set, &m, &random, MOST_ENTRIES, 6, 2);

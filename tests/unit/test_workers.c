@@ -536,7 +536,7 @@ START_TEST(so_many_tasks_as_workers)
     static const uint32_t workers[] = {1, 2, 5, 16, 64};
     size_t i;
     for (i = 0; i < COUNT(workers); i++) {
-        msap_world *world = counted_world(workers[i], 1024, MSAP_STRATEGY_AUTO);
+        msap_world *world = counted_world(workers[i], 512, MSAP_STRATEGY_AUTO);
         ck_assert_uint_eq(most_tasks(world, counted, 20000, 1), workers[i]);
         ok(msap_destroy(world));
     }
