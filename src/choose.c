@@ -287,8 +287,11 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
 /* While boxes rest in their skins. */
 static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c)
 {
+    enum { LONG = 4 };
     int has_paid = g->gain > 0, is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
+    int are_all_live = job->boxes->removed.head == NONE; /* so that lists can be made of them */
     g->quiet = is_quiet ? g->quiet + 1 : 0;
+    if (g->quiet > (g->upkeep.is_first ? 0 : LONG) && are_all_live) return REST;
     int64_t renewal = cost_of_renewal(job);
     g->gain += c->jump - c->track;
     if (g->gain > 2 * renewal) g->gain = 2 * renewal;
@@ -334,7 +337,7 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
-        early += (b->level != NO_LEVEL || rests(g, b)) && skin_age(b, g) < HORIZON_MOST;
+        early += b->level != NO_LEVEL && skin_age(b, g) < HORIZON_MOST;
     }
     int64_t moves = (int64_t)misplaced - leaving;
     if (g->in_skins) {

@@ -98,8 +98,8 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
-    if (g->in_skins) g->rows.chosen_for = 0; /* they are for skins */
-    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
+    if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
 }

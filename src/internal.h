@@ -776,10 +776,11 @@ struct row_sweep {
 
 /* Bounds that ask a row. */
 struct row_question {
-    int32_t min[3], max[3]; /* by axis of the rows */
-    uint32_t lacks;         /* marks that what is taken has */
-    uint16_t flags;         /* and flags of its box */
-    uint32_t self;          /* the slot of the box that asks */
+    int32_t min[3], max[3];     /* by axis of the rows */
+    uint32_t lacks;             /* marks that what is taken has */
+    uint16_t flags;             /* and flags of its box */
+    uint32_t self;              /* the slot of the box that asks; or */
+    const struct bounds *where; /* the same bounds */
 };
 /* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
  * taken. */
@@ -855,7 +856,8 @@ struct grid {
     int is_tracking; /* cells and lists are up to date; 0 after a commit that kept nothing */
     int is_jumping;  /* the last commit kept nothing but rows, because that was cheaper */
     int is_resting; /* while is_tracking: boxes of the last commit that are in no cell rest in the rows (rest.c) */
-    int in_skins;   /* while is_resting: the rows hold boxes with their skins (renew.c) */
+    int in_skins;   /* while is_resting: in their skins (renew.c), which the rows hold */
+    int rows_hold_skins;    /* while is_resting: so they do, even if boxes rest as they are */
     struct keys candidates; /* while in_skins: see candidates.c; a << 32 | entry for b */
     size_t untold;          /* so many of them, the first ones, do not know yet what they are */
     uint32_t quiet;         /* while in_skins: for how many commits so few changed that skins do not pay */
@@ -983,7 +985,6 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
-int msap_grid_prune_only(struct grid *g, struct job *job);
 void msap_renewal_begin(struct grid *g, struct job *job);
 void msap_renewal_go_on(struct grid *g, struct job *job);
 void msap_renewal_at_once(struct grid *g, struct job *job);

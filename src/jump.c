@@ -175,16 +175,3 @@ int msap_grid_jump(struct grid *g, struct job *job)
     msap_touch_known_pairs(job);
     return 1;
 }
-
-/* Between commits: sorts all boxes into rows as a jump would, so that they can rest in them. Returns 0
- * without memory, and where there are many wide boxes. */
-int msap_grid_prune_only(struct grid *g, struct job *job)
-{
-    struct pruning p;
-    if (count_all(g, job, &p) != 1) return 0;
-    msap_grid_empty(g, job->memory);
-    g->is_jumping = 1;
-    if (!msap_rows_sort(&p)) return 0;
-    msap_rows_fill(&p);
-    return 1;
-}

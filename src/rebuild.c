@@ -411,7 +411,8 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     struct layout *l = &g->layout[g->current];
     struct rebuild r = {.grid = g, .layout = l, .job = job};
     msap_grid_empty_cells(g, job->memory);
-    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
+    if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
     msap_upkeep_begins(g);

@@ -207,7 +207,7 @@ static int change_over(struct grid *g, struct job *job)
     g->untold = g->candidates.n;
     r->set = set;
     r->found = candidates;
-    g->is_tracking = g->is_resting = g->in_skins = 1;
+    g->is_tracking = g->is_resting = g->in_skins = g->rows_hold_skins = 1;
     g->is_jumping = g->is_empty = 0;
     g->quiet = 0;
     return !(msap_is_outgrown(l->chosen_for, boxes) || g->commit - l->chosen_at > COMMITS) ||

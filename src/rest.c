@@ -31,14 +31,16 @@ static uint32_t first_that_reaches(const struct row_set *set, size_t row, int32_
     return start + low * REACH;
 }
 
-/* Drops, of the boxes found from the n-th on, those that do not rest or lack flags; returns how many are left. */
+/* Drops, of the boxes found from the n-th on, those that do not rest, lack flags, or are apart although their
+ * skins, which the rows may hold, are not; returns how many are left. */
 static size_t keep_resting(const struct grid *g, const struct row_question *q, uint32_t *found, size_t n,
                            size_t end)
 {
     for (size_t i = n; i < end; i++) {
         uint32_t slot = found[i];
         found[n] = slot;
-        n += rests(g, &g->boxes->at[slot]) && (g->boxes->at[slot].flags & q->flags) == q->flags;
+        n += rests(g, &g->boxes->at[slot]) && (g->boxes->at[slot].flags & q->flags) == q->flags &&
+             overlap(bounds_in_grid(g, slot), q->where);
     }
     return n;
 }
@@ -61,7 +63,7 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)
 {
-    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint16_t)flags};
+    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint16_t)flags, .where = where};
     return msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
 }
 
@@ -117,10 +119,16 @@ int msap_rest_begin(struct grid *g, struct job *job, size_t n)
 
 /* ------------------------------------------------------------------ checking */
 
-/* How many rows a box that rests touches. */
+/* The bounds of a box that rests that the rows hold. */
+static const struct bounds *bounds_in_rows(const struct grid *g, uint32_t slot)
+{
+    return g->rows_hold_skins ? &g->boxes->at[slot].fat : box_before(g->boxes, slot);
+}
+
+/* How many rows it touches. */
 static uint64_t rows_touched(const struct grid *g, uint32_t slot)
 {
-    struct row_span span = rows_of(&g->rows, bounds_in_grid(g, slot));
+    struct row_span span = rows_of(&g->rows, bounds_in_rows(g, slot));
     return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
 }
 
@@ -128,7 +136,7 @@ static uint64_t rows_touched(const struct grid *g, uint32_t slot)
 static int is_entry_broken(const struct grid *g, uint32_t i)
 {
     const struct row_set *set = &g->row_set;
-    const struct bounds *b = bounds_in_grid(g, row_slot(set->id[i]));
+    const struct bounds *b = bounds_in_rows(g, row_slot(set->id[i]));
     for (int k = 0; k < 3; k++)
         if (set->min[k][i] != b->min[g->rows.axis[k]] || set->max[k][i] != b->max[g->rows.axis[k]]) return 1;
     return 0;

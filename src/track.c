@@ -252,6 +252,23 @@ static int begin_resting(struct grid *g, struct job *job, size_t n)
     return msap_rest_begin(g, job, n) && move_all(g, job, g->wide, g->n_wide, NULL);
 }
 
+/* Boxes that rest in skins rest from now on as they are. Those that are in cells get lists. Returns 0 without
+ * memory. */
+static int rest_without_skins(struct grid *g, struct job *job)
+{
+    const struct box_table *t = job->boxes;
+    size_t in_cells = g->layout[0].boxes + g->layout[1].boxes;
+    msap_keys_free(&g->candidates, job->memory);
+    g->renewal.next = NO_RENEWAL;
+    g->in_skins = 0;
+    g->untold = g->quiet = 0;
+    g->gain = 0;
+    for (uint32_t slot = 0; slot < t->used && in_cells > 0; slot++)
+        if (t->at[slot].level != NO_LEVEL && !msap_finish_move(g, job, slot)) return 0;
+    msap_near_tidy(&g->near, msap_is_near, g);
+    return 1;
+}
+
 /* Which way is taken by a strategy, if the first `misplaced` of those that left must be put
  * elsewhere. */
 static enum way way_by(uint32_t strategy, struct grid *g, const struct job *job, size_t misplaced)
@@ -272,7 +289,7 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
         if (g->is_resting) way = REBUILD; /* rows were counted anew */
     }
     if (way == REST) {
-        if (!begin_resting(g, job, job->boxes->n_changed)) return 0;
+        if (!(g->in_skins ? rest_without_skins(g, job) : begin_resting(g, job, job->boxes->n_changed))) return 0;
         misplaced = misplaced_first(g, job->boxes);
     }
     if (way == REBUILD || way == JUMP_OR_REBUILD) return msap_grid_rebuild(g, job) ? MSAP_STRATEGY_SWEEP : 0;
@@ -316,21 +333,11 @@ static void rest_loaded(struct grid *g, struct job *job)
     if (!done || !move_all(g, job, t->left, n, NULL)) msap_grid_empty(g, job->memory);
 }
 
-/* Boxes that rest in skins while few of them change rest from now on as they are, until they do. Without
- * memory that is left to later. */
-static void rest_without_skins(struct grid *g, struct job *job)
-{
-    int done = msap_grid_prune_only(g, job) && begin_resting(g, job, job->boxes->live / 8);
-    if (!done) msap_grid_empty(g, job->memory);
-}
-
 /* After a commit: does what makes those to come cheaper. */
 void msap_grid_prepare(struct grid *g, struct job *job)
 {
-    enum { LONG = 4 };
     if (g->will_rest) rest_loaded(g, job);
     if (g->will_renew && g->upkeep.is_first && g->is_jumping) msap_renewal_at_once(g, job);
-    else if (g->quiet > (g->upkeep.is_first ? 0 : LONG)) rest_without_skins(g, job);
     else if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
     else if (g->is_tracking ? msap_renewal_is_due(g, job) : g->will_renew) msap_renewal_begin(g, job);
 }

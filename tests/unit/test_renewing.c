@@ -349,6 +349,35 @@ START_TEST(boxes_stop_and_walk_on)
 }
 END_TEST
 
+/* Most boxes stop while some are in cells, wide ones and such as have left their skins: those get lists. Then
+ * some come, some walk and, at first not, some go, among them such as are in cells. Loop variable: a set-up, and whether
+ * boxes stop after the first commit or later. */
+START_TEST(boxes_in_cells_get_lists)
+{
+    int row = _i / 2, later = _i % 2;
+    if (!chooses(row)) return;
+    walkers w;
+    open_walk(&w, row, 3, 14);
+    for (int i = 0; i < 5; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.05f, 0);
+    put_some(&w, 500, 0.12f, 2);
+    for (int frame = 0; frame < (later ? 20 : 1); frame++) {
+        walk(&w, 0);
+        if (frame == 12) happen(&w, JUMP);
+        end_frame(&w);
+    }
+    for (int frame = 0; frame < 40; frame++) {
+        set(&w, 5, w.bounds[6 + frame]);
+        if (frame % 4 == 1) set(&w, 300 + (uint32_t)frame, w.bounds[7 + frame]);
+        if (frame % 3 == 2) put_some(&w, 1, 0, 0);
+        if (frame == (later ? 4 : 0)) take_away(&w, 4 * (uint32_t)(row % 2) + 40 * (uint32_t)(row % 3)); /* when lists would be made */
+        if (frame > 9) take_away(&w, frame % 8 == 7 ? 0 : random_below(&w.s.random, w.n - 60) + 50);
+        end_frame(&w);
+    }
+    if (is_free(&w)) ck_assert(grid_of(&w)->is_resting && !grid_of(&w)->in_skins && grid_of(&w)->rows_hold_skins);
+    right(session_close(&w.s));
+}
+END_TEST
+
 /* Boxes that come and go but do not move get no skins: a level is loaded, half of it goes, more of it comes. */
 START_TEST(who_does_not_move_needs_no_skin)
 {
@@ -473,6 +502,7 @@ int main(void)
     tcase_add_loop_test(tests, boxes_lie_in_all_rows, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_walk, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_stop_and_walk_on, 0, SETUPS);
+    tcase_add_loop_test(tests, boxes_in_cells_get_lists, 0, 2 * SETUPS);
     tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
