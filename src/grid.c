@@ -63,9 +63,7 @@ void msap_grid_init(struct grid *g, const msap_config *config, struct box_table 
     g->boxes = boxes;
     g->is_empty = 1;
     g->upkeep.horizon = HORIZON_START;
-    g->sweep = msap_sweep_for(config->simd);
-    g->sweep_row = msap_sweep_row_for(config->simd);
-    g->ask_row = msap_ask_row_for(config->simd);
+    g->sweeps = msap_sweeps_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
     msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
 }
@@ -231,7 +229,7 @@ static inline size_t ask_cell(const struct asking *a, const struct cell *c, uint
     uint32_t rows = rows_asked(a, c);
     size_t n = 0;
     if (rows == 0) return 0;
-    if (a->is_short) return a->grid->sweep(c, 0, rows, &a->rounded, out);
+    if (a->is_short) return a->grid->sweeps.cell(c, 0, rows, &a->rounded, out);
     for (uint32_t row = 0; row < rows; row++) {
         out[n] = c->block[row / 8].id[row % 8];
         n += (size_t)overlap(&a->grid->boxes->at[out[n]].fat, a->fat);

@@ -674,7 +674,6 @@ uint32_t msap_cell_row(const struct cell *c, uint32_t row, struct rounded *r);
 
 typedef size_t (*sweep_fn)(const struct cell *c, uint32_t first, uint32_t last, const struct rounded *r,
                            uint32_t *out);
-sweep_fn msap_sweep_for(uint32_t simd);
 
 /* ---------------------------------------------------- grid.c, layout.c, skin.c */
 
@@ -785,7 +784,6 @@ struct row_question {
 /* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
  * taken. */
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
-sweep_row_fn msap_sweep_row_for(uint32_t simd);
 
 enum { ENTRIES_ASKED = 64 }; /* at a time */
 
@@ -794,7 +792,14 @@ enum { ENTRIES_ASKED = 64 }; /* at a time */
  * they are. i is `end` then if no other entry can overlap. */
 typedef size_t (*ask_row_fn)(const struct row_set *set, const struct row_question *q, struct row_sweep *at,
                              uint32_t *out);
-ask_row_fn msap_ask_row_for(uint32_t simd);
+
+/* What goes over a cell, over a row, and what asks a row. */
+struct sweeps {
+    sweep_fn cell;
+    sweep_row_fn row;
+    ask_row_fn ask_row;
+};
+struct sweeps msap_sweeps_for(uint32_t simd);
 
 /* Skins, rows and candidates to come (renew.c). */
 enum renewal_step {
@@ -841,9 +846,7 @@ struct upkeep {
 struct grid {
     const msap_config *config;
     struct box_table *boxes; /* the world's */
-    sweep_fn sweep;
-    sweep_row_fn sweep_row;
-    ask_row_fn ask_row;
+    struct sweeps sweeps;
     struct layout layout[2];
     uint32_t current;
     uint32_t next_to_move; /* slot */

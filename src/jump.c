@@ -54,7 +54,7 @@ static void take(const void *context, struct worker *w, const struct pair_buffer
 static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    msap_rows_sweep(&j->grid->row_set, &j->grid->rows, j->grid->sweep_row, first, last, take, j, w);
+    msap_rows_sweep(&j->grid->row_set, &j->grid->rows, j->grid->sweeps.row, first, last, take, j, w);
 }
 
 /* Takes a pair that overlaps. */
@@ -72,7 +72,7 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
     uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
     struct row_sweep at = {.i = row_start(&g->row_set, row), .end = g->row_set.end[row]};
     while (at.i < at.end) {
-        size_t more = g->ask_row(&g->row_set, q, &at, found);
+        size_t more = g->sweeps.ask_row(&g->row_set, q, &at, found);
         for (size_t i = 0; i < more; i++) take_pair(j, w, q->self, found[i]);
         n += more;
     }

@@ -263,7 +263,7 @@ static void sweep_cell(struct sweeping *s)
         for (uint32_t first = row + 1, last; first < c->n; first = last) {
             last = c->n - first < MOST_BUFFERED ? c->n : first + MOST_BUFFERED;
             if (s->found.n + (last - first) > MOST_BUFFERED) take_found(s);
-            size_t n = s->rebuild->grid->sweep(c, first, last, &rounded, s->found.b + s->found.n);
+            size_t n = s->rebuild->grid->sweeps.cell(c, first, last, &rounded, s->found.b + s->found.n);
             for (size_t i = 0; i < n; i += 4) set_four(s->found.a + s->found.n + i, id);
             s->found.n += n;
         }

@@ -108,6 +108,14 @@ static struct pruning pruning_of(struct grid *g, struct job *job)
     return p;
 }
 
+/* From one of the two steps to the other, the world's scratch room is the renewal's. */
+static void lend_scratch(struct renewal *r, struct job *job)
+{
+    const struct scratch words = r->words;
+    r->words = *job->scratch;
+    *job->scratch = words;
+}
+
 /* The first half. Returns 0 without memory, and where there are many wide boxes. */
 static int count_rows(struct grid *g, struct job *job)
 {
@@ -115,6 +123,7 @@ static int count_rows(struct grid *g, struct job *job)
     struct renewal *r = &g->renewal;
     struct pruning p = pruning_of(g, job);
     msap_rows_choose(&p, g->commit, COMMITS);
+    lend_scratch(r, job);
     if (!msap_rows_count(&p, &r->words) || p.n_wide > MOST_WIDE) return 0;
     for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     r->order = p.order;
@@ -136,6 +145,7 @@ static int fill_rows(struct grid *g, struct job *job)
     p.end = r->set.end;
     r->swept = r->found.n = 0;
     msap_rows_fill(&p);
+    lend_scratch(r, job);
     return msap_rows_note_reach(&r->set, &r->rows, job->memory);
 }
 
@@ -161,7 +171,7 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct swept *s = context;
     const struct renewal *r = &s->grid->renewal;
-    msap_rows_sweep(&r->set, &r->rows, s->grid->sweep_row, s->from + first, s->from + last, take, NULL, w);
+    msap_rows_sweep(&r->set, &r->rows, s->grid->sweeps.row, s->from + first, s->from + last, take, NULL, w);
 }
 
 static void exchange(struct keys *a, struct keys *b)
@@ -242,6 +252,7 @@ static int install(struct grid *g, struct job *job)
     int done = msap_place_all(g, job, t->left, t->n_left) && msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
+    if (t->used > MANY_BOXES) msap_renewal_free(&g->renewal, job->memory); /* it holds half as much as all else */
     return done;
 }
 

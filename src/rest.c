@@ -52,7 +52,7 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
     struct row_sweep at = {.i = first_that_reaches(&g->row_set, row, q->min[0]), .end = g->row_set.end[row]};
     while (at.i < at.end) {
         if (!msap_worker_room_to_find(w, n, ENTRIES_ASKED)) return SIZE_MAX;
-        n = keep_resting(g, q, w->found, n, n + g->ask_row(&g->row_set, q, &at, w->found + n));
+        n = keep_resting(g, q, w->found, n, n + g->sweeps.ask_row(&g->row_set, q, &at, w->found + n));
     }
     return n;
 }

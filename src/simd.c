@@ -406,42 +406,21 @@ __attribute__((target("avx2"))) static size_t ask_row_avx2(const struct row_set 
 
 /* ----------------------------------------------------------------- choosing */
 
-/* The best sweep that the machine has, not above `simd`. */
-sweep_fn msap_sweep_for(uint32_t simd)
+/* The best that the machine has, not above `simd`. */
+struct sweeps msap_sweeps_for(uint32_t simd)
 {
-#if defined(HAS_AVX2)
-    if (use_avx2(simd)) return sweep_avx2;
-#endif
+    struct sweeps s = {sweep_portable, sweep_row_portable, ask_row_portable};
 #if defined(HAS_FOUR)
-    if (simd != MSAP_SIMD_NONE) return sweep_eights;
+    const struct sweeps fours = {sweep_eights, sweep_row_fours, ask_row_fours};
+    if (simd != MSAP_SIMD_NONE) s = fours;
 #endif
-    (void)simd;
-    return sweep_portable;
-}
-
-sweep_row_fn msap_sweep_row_for(uint32_t simd)
-{
+#if defined(HAS_AVX2)
+    const struct sweeps eights = {sweep_avx2, sweep_row_avx2, ask_row_avx2};
+    if (use_avx2(simd)) s = eights;
+#endif
 #if defined(HAS_AVX512)
-    if (use_avx512(simd)) return sweep_row_avx512;
-#endif
-#if defined(HAS_AVX2)
-    if (use_avx2(simd)) return sweep_row_avx2;
-#endif
-#if defined(HAS_FOUR)
-    if (simd != MSAP_SIMD_NONE) return sweep_row_fours;
+    if (use_avx512(simd)) s.row = sweep_row_avx512;
 #endif
     (void)simd;
-    return sweep_row_portable;
-}
-
-ask_row_fn msap_ask_row_for(uint32_t simd)
-{
-#if defined(HAS_AVX2)
-    if (use_avx2(simd)) return ask_row_avx2;
-#endif
-#if defined(HAS_FOUR)
-    if (simd != MSAP_SIMD_NONE) return ask_row_fours;
-#endif
-    (void)simd;
-    return ask_row_portable;
+    return s;
 }

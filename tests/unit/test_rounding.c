@@ -98,9 +98,9 @@ static uint32_t fill_cell(struct cell *c, uint32_t level)
 static void sweep(const struct cell *c, uint32_t first, uint32_t last, const struct rounded *r, char found[BOXES])
 {
     uint32_t list[BOXES + 8], other[BOXES + 8];
-    size_t n = msap_sweep_for(simd[0])(c, first, last, r, list);
+    size_t n = msap_sweeps_for(simd[0]).cell(c, first, last, r, list);
     for (size_t s = 1; s < COUNT(simd); s++) {
-        ck_assert_uint_eq(msap_sweep_for(simd[s])(c, first, last, r, other), n);
+        ck_assert_uint_eq(msap_sweeps_for(simd[s]).cell(c, first, last, r, other), n);
         ck_assert_int_eq(memcmp(list, other, n * sizeof *list), 0);
     }
     memset(found, 0, BOXES);

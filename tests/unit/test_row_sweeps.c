@@ -82,7 +82,7 @@ static void compare_sweeps(const struct row_set *set, uint32_t first, uint32_t l
     static struct pairs right_ones, found;
     find_pairs(set, first, last, end, &right_ones);
     for (size_t i = 0; i < COUNT(simd); i++) {
-        sweep_pairs(msap_sweep_row_for(simd[i]), set, first, last, end, &found);
+        sweep_pairs(msap_sweeps_for(simd[i]).row, set, first, last, end, &found);
         ck_assert_uint_eq(found.n, right_ones.n);
         ck_assert(memcmp(found.a, right_ones.a, found.n * sizeof *found.a) == 0);
         ck_assert(memcmp(found.b, right_ones.b, found.n * sizeof *found.b) == 0);
@@ -108,7 +108,7 @@ static void compare_answers(const struct row_set *set, const struct row_question
         struct row_sweep at = {.i = first, .end = end};
         while (at.i < at.end) {
             uint32_t from = at.i;
-            n += msap_ask_row_for(simd[i])(set, q, &at, found + n);
+            n += msap_sweeps_for(simd[i]).ask_row(set, q, &at, found + n);
             ck_assert(at.i == end || at.i == from + ENTRIES_ASKED);
         }
         ck_assert_uint_eq(n, n_right);
