@@ -68,31 +68,22 @@ void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most)
 
 /* --------------------------------------------------------------- steps 1, 2 */
 
-/* The rows that a box touches; returns how many. */
-static inline uint64_t range_rows(const struct rows *r, const struct bounds *b, struct row_range *range)
+/* Counts a box in its rows, where it touches two on each axis at the most: without a question. */
+static inline void count_in_few(const struct rows *r, const struct row_span *s, uint32_t *end)
 {
-    struct row_span span = rows_of(r, b);
-    range->row = span.row;
-    range->more[0] = (uint8_t)span.more[0];
-    range->more[1] = (uint8_t)span.more[1];
-    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
+    uint32_t row = s->row, more_y = s->more[0], more_z = s->more[1];
+    end[row]++;
+    end[next_row(r, row)] += more_y;
+    if (r->count[1] == 1) return;
+    row = next_line(r, row);
+    end[row] += more_z;
+    end[next_row(r, row)] += more_y & more_z;
 }
 
-/* Counts a box in its rows: where it touches two on each axis at the most, without a question. */
-static inline void count_in_rows(const struct rows *r, const struct row_range *range, uint32_t *end)
+static void count_in_many(const struct rows *r, const struct row_span *s, uint32_t *end)
 {
-    uint32_t row = range->row, more_y = range->more[0], more_z = range->more[1];
-    if ((more_y | more_z) <= 1) {
-        end[row]++;
-        end[next_row(r, row)] += more_y;
-        if (r->count[1] == 1) return;
-        row = next_line(r, row);
-        end[row] += more_z;
-        end[next_row(r, row)] += more_y & more_z;
-        return;
-    }
-    for (uint32_t z = 0; z <= more_z; z++, row = next_line(r, row))
-        for (uint32_t y = 0, at = row; y <= more_y; y++, at = next_row(r, at)) end[at]++;
+    for (uint32_t z = 0, row = s->row; z <= s->more[1]; z++, row = next_line(r, row))
+        for (uint32_t y = 0, at = row; y <= s->more[0]; y++, at = next_row(r, at)) end[at]++;
 }
 
 /* Finds the rows of the boxes in slots first ... last - 1, counts the boxes of each row, and names the
@@ -107,23 +98,26 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
     struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
     uint64_t *order = j->order + first;
-    uint32_t *wide = j->wide + first;
-    memset(c.end, 0, all_rows * sizeof *c.end);
+    uint32_t *wide = j->wide + first, *end = c.end;
+    memset(end, 0, all_rows * sizeof *end);
     for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
         const struct box *b = &t->at[slot];
-        struct row_range *range = &j->range[slot];
         if ((b->flags & all.flags) != all.flags) continue;
         const struct bounds *bounds = bounds_of_slot(&all, slot);
-        uint64_t rows = range_rows(r, bounds, range);
-        range->is_static = (b->flags & BOX_STATIC) != 0;
-        range->is_new = !(b->flags & BOX_WAS);
-        if (rows > MOST_ROWS) {
+        const struct row_span s = rows_of(r, bounds);
+        const struct row_range range = {s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, b->flags};
+        uint64_t rows = ((uint64_t)s.more[0] + 1) * (s.more[1] + 1);
+        j->range[slot] = range;
+        if ((s.more[0] | s.more[1]) <= 1) {
+            count_in_few(r, &s, end);
+        } else if (rows <= MOST_ROWS) {
+            count_in_many(r, &s, end);
+        } else {
             wide[c.n_wide++] = slot;
             continue;
         }
         order[c.n++] = key_make(bounds->min[sweep_axis], 0, slot);
         c.entries += rows;
-        count_in_rows(r, range, c.end);
     }
     j->by[worker] = c;
 }
@@ -196,7 +190,7 @@ static void list_rows(const struct pruning *j)
         uint32_t slot = key_box(j->order[i]);
         const struct row_range range = j->range[slot];
         if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
-        uint32_t name = slot | (range.is_static ? 0 : ROW_MOVES) | (range.is_new ? j->news : 0);
+        uint32_t name = slot | (range.flags & BOX_STATIC ? 0 : ROW_MOVES) | (range.flags & BOX_WAS ? 0 : j->news);
         if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, (uint32_t)j->entries);
         else list_in_many(r, &range, name, end, id);
     }

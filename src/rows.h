@@ -53,7 +53,7 @@ static inline struct row_span rows_of(const struct rows *r, const struct bounds 
 struct row_range {
     uint32_t row;
     uint8_t more[2];
-    uint8_t is_static, is_new;
+    uint16_t flags; /* of the box */
 };
 
 /* What a worker has counted of the slots from the first on. */
