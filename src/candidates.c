@@ -4,8 +4,9 @@
  * SPDX-License-Identifier: MIT
  *
  * The candidates are exactly the pairs of boxes in the grid, not both static, whose fat bounds overlap, each
- * once and in any order; its entry tells whether it was a pair at the last commit (but not until the first commit
- * after a renewal). So no box needs a list of its neighbours, and a commit goes through one array:
+ * once and in any order; its entry tells whether it was a pair at the last commit. (Between a renewal and the next
+ * commit none knows yet, and some are void.) So no box needs a list of its neighbours, and a commit goes through
+ * one array:
  *
  * 1. All candidates are touched. Those of a box that left its skin are dropped.
  * 2. Boxes that left get new skins and are put into cells (move.c).
@@ -170,6 +171,8 @@ static int put_into_places(struct keys *candidates, struct memory *m, const stru
 {
     size_t found = pairs->n - vacant, n = found < vacant ? found : vacant;
     const uint64_t *key = pairs->at + vacant;
+    if (candidates->n + found - n > UINT32_MAX) /* GCOVR_EXCL_BR_LINE: they could not be named; they take 32 GB */
+        return 0;                               /* GCOVR_EXCL_LINE: the same */
     if (!msap_keys_reserve(candidates, m, candidates->n + found - n)) return 0;
     for (size_t i = 0; i < n; i++) candidates->at[pairs->at[i]] = key[i];
     for (size_t i = n; i < found; i++) candidates->at[candidates->n++] = key[i];

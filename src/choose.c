@@ -47,8 +47,9 @@ enum {
     JUMP_PAIR = 3,          /* and a pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
+    CANDIDATE = 5,          /* a candidate, in quarters, */
     RENEW_BOX = 32,         /* a box when all get new skins, */
-    RENEW_PAIR = 8          /* and a pair */
+    RENEW_CANDIDATE = 3     /* and a candidate */
 };
 
 /* On recorded scenes neighbours are one and a half to five times as many as pairs, mostly twice. */
@@ -86,7 +87,7 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->n_wide) + pairs * JUMP_PAIR,
+    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->n_wide / 4) + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
 }
@@ -136,11 +137,21 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 
 /* ----------------------------------------------------------------- renewals */
 
-enum { RENEWAL_STEPS = 6 }; /* a step after each commit */
-
-static int64_t cost_of_renewal(const struct job *job)
+/* A step after each commit. */
+static int64_t renewal_steps(const struct job *job)
 {
-    int64_t tests = RENEW_BOX * (int64_t)job->boxes->live + RENEW_PAIR * (int64_t)job->pairs->active;
+    return CHANGE_SKINS - WATCH_SKINS + 1 + (int64_t)sweep_steps(job);
+}
+
+/* How many candidates there are or, while there are no skins, would be at least. */
+static int64_t count_candidates(const struct grid *g, const struct job *job)
+{
+    return g->in_skins ? (int64_t)g->candidates.n : (int64_t)job->pairs->active * 5 / 4;
+}
+
+static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
+{
+    int64_t tests = RENEW_BOX * (int64_t)job->boxes->live + RENEW_CANDIDATE * candidates;
     return tests * dearness(job->boxes->live) / ONE;
 }
 
@@ -156,8 +167,6 @@ static int may_renew(const struct grid *g, const struct job *job)
 {
     return can_renew(g, job) && g->commit >= g->upkeep.not_before;
 }
-
-static int64_t cost_of_candidates(int64_t n) { return n * 3 / 2; }
 
 /* What it costs to put a box elsewhere that has left its skin. */
 static int64_t cost_of_stray(const struct job *job, int64_t candidates)
@@ -176,19 +185,14 @@ static int do_many_move(const struct box_table *t)
     return n * step * SHARE >= t->live;
 }
 
-/* What a commit would cost if skins were renewed over and over and so many boxes left theirs in each commit. */
-static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, double leaving)
+/* Whether skins are better than to prune all, by more than may be chance: if they are renewed over and over, there
+ * are so many candidates, and so many boxes leave their skins in each commit. */
+int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving)
 {
-    int64_t candidates = NEIGHBOURS_A_PAIR * (int64_t)job->pairs->active;
-    int64_t commits = (int64_t)g->upkeep.horizon - RENEWAL_STEPS;
-    return cost_of_candidates(candidates) + cost_of_renewal(job) / (commits < 1 ? 1 : commits) +
-           (int64_t)(leaving * (double)cost_of_stray(job, candidates));
-}
-
-/* Whether it is better than to prune all, by more than may be chance. */
-int msap_skins_will_pay(const struct grid *g, const struct job *job, double leaving)
-{
-    return foreseen_upkeep(g, job, leaving) < costs_of(g, job).jump * 7 / 8;
+    int64_t commits = (int64_t)g->upkeep.horizon - renewal_steps(job);
+    int64_t upkeep = candidates * CANDIDATE / 4 + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+                     (int64_t)(leaving * (double)cost_of_stray(job, candidates));
+    return upkeep < costs_of(g, job).jump * 7 / 8;
 }
 
 /* All boxes get skins in this commit. */
@@ -228,19 +232,22 @@ int msap_renewal_is_due(const struct grid *g, const struct job *job)
 {
     enum { SELDOM = 16 };
     const struct upkeep *u = &g->upkeep;
-    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job);
+    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job, count_candidates(g, job));
     if (!may_renew(g, job) || g->quiet > 0) return 0;
-    if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - RENEWAL_STEPS) > renewal * age;
+    if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - renewal_steps(job)) > renewal * age;
     if (!g->in_skins) return 0;
-    int64_t next = u->move * (int64_t)foreseen_to_leave(g, RENEWAL_STEPS + 1) / RENEWAL_STEPS;
+    int64_t steps = renewal_steps(job),
+            next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
     return u->is_first || (next > u->lately ? next : u->lately) * age > renewal + u->spent;
 }
 
-/* Skins would not last: a trial costs little, so there will be others. */
+/* Skins would not last or, if none has been left, are too wide. A trial costs little, so there will be others. */
 void msap_trial_failed(struct grid *g)
 {
     enum { WAIT = 8 };
-    g->upkeep.not_before = g->commit + WAIT;
+    struct upkeep *u = &g->upkeep;
+    u->not_before = g->commit + WAIT;
+    if (g->renewal.is_calm) u->horizon = u->horizon > 2 * HORIZON_SHORT ? u->horizon / 2 : HORIZON_SHORT;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
@@ -256,14 +263,18 @@ void msap_renewal_failed(struct grid *g)
  * a renewal costs is best. */
 void msap_renewal_was_made(struct grid *g, const struct job *job)
 {
-    enum { SHORT = 10 };
     struct upkeep *u = &g->upkeep;
     int64_t vain = (int64_t)g->candidates.n - (int64_t)job->pairs->active;
-    g->gain -= cost_of_renewal(job);
+    int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
+    g->gain -= renewal;
     u->is_first = 0;
-    if (vain * (u->made_for - RENEWAL_STEPS) > cost_of_renewal(job)) u->horizon -= u->horizon / 4;
+    vain *= u->made_for - renewal_steps(job);
+    if (vain > 4 * renewal) u->horizon /= 2;
+    else if (vain > renewal) u->horizon -= u->horizon / 4;
     else u->horizon += u->horizon / 2;
-    u->horizon = u->horizon < SHORT ? SHORT : u->horizon > HORIZON_MOST ? HORIZON_MOST : u->horizon;
+    u->horizon = u->horizon < HORIZON_SHORT  ? HORIZON_SHORT
+                 : u->horizon > HORIZON_MOST ? HORIZON_MOST
+                                             : u->horizon;
 }
 
 /* -------------------------------------------------------------------- choosing */
@@ -274,8 +285,10 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
     g->upkeep.is_first = 0;
     if (can_renew(g, job)) {
-        g->gain = cost_of_renewal(job); /* as if it had been saved already: so skins are not given up soon */
-        g->will_renew = may_renew(g, job) && msap_skins_will_pay(g, job, 0) && do_many_move(job->boxes);
+        int64_t candidates = count_candidates(g, job);
+        g->gain = cost_of_renewal(job, candidates); /* as if so much had been saved: skins are not given up soon */
+        g->will_renew =
+            may_renew(g, job) && msap_skins_will_pay(g, job, candidates, 0) && do_many_move(job->boxes);
         return JUMP_OR_REBUILD;
     }
     g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
@@ -292,10 +305,11 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     int are_all_live = job->boxes->removed.head == NONE; /* so that lists can be made of them */
     g->quiet = is_quiet ? g->quiet + 1 : 0;
     if (g->quiet > (g->upkeep.is_first ? 0 : LONG) && are_all_live) return REST;
-    int64_t renewal = cost_of_renewal(job);
+    int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
     g->gain += c->jump - c->track;
     if (g->gain > 2 * renewal) g->gain = 2 * renewal;
-    if (c->track <= c->jump + renewal && g->gain > -renewal) return TRACK;
+    int is_upheaval = c->track > c->jump + (renewal < 2 * c->jump ? renewal : 2 * c->jump);
+    if (!is_upheaval && g->gain > -renewal) return TRACK;
     if (has_paid) g->upkeep.wait = 0;
     else if (!g->upkeep.is_first) msap_renewal_failed(g);
     g->will_go_on = g->upkeep.is_first; /* with the skins to come, which are for motion */
@@ -341,8 +355,8 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     }
     int64_t moves = (int64_t)misplaced - leaving;
     if (g->in_skins) {
-        c.track = account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) +
-                  cost_of_candidates((int64_t)g->candidates.n);
+        c.track =
+            account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) + (int64_t)g->candidates.n;
     } else {
         account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - cost_of_tracking(job, 0, 0));
         c.track = cost_of_tracking(job, moves, leaving);

@@ -130,13 +130,13 @@ enum {
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
     BOX_LEFT = 8,     /* it is on the list of those that left */
-    BOX_FITTED = 128  /* it has one of the skins to come (renew.c) */
+    BOX_FITTED = 128  /* it has, or has had, one of the skins to come (renew.c) */
 };
 
 enum { NO_LEVEL = 255 };
 
 /* Commits that skins are made for: a box's first one, and the first ones of all boxes together. */
-enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_MOST = 64 };
+enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_SHORT = 10, HORIZON_MOST = 64 };
 
 /* A slot of the box table, and where the box is in the grid: one cache line. A box that
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
@@ -201,6 +201,12 @@ struct box_table {
     size_t n_changed, n_left;
     struct slot_queue removed; /* since the last commit, in the order of removal */
     struct slot_queue free;    /* to be given out again, in this order */
+};
+
+/* A copy that vectors may read (bounds.h). */
+struct readable {
+    struct bounds bounds;
+    int32_t fourth;
 };
 
 /* Those that live boxes have now. */
@@ -532,6 +538,14 @@ int msap_worker_room_to_find(struct worker *w, size_t n, size_t more);
 /* How many pairs a box has, by the last commit. */
 static inline size_t pairs_of_a_box(const struct job *job) { return job->pairs->active / (job->boxes->live + 1); }
 
+/* In how many steps candidates are found (renew.c). */
+static inline size_t sweep_steps(const struct job *job)
+{
+    enum { FEW = 3, MOST = 4 };
+    size_t steps = 1 + pairs_of_a_box(job) / FEW;
+    return steps < MOST ? steps : MOST;
+}
+
 /* ----------------------------------------------------------------- merge.c */
 
 void msap_share_sort_keys(const struct job *job, uint64_t *key, size_t n, uint64_t *scratch);
@@ -814,7 +828,10 @@ enum renewal_step {
 };
 struct renewal {
     enum renewal_step next;
-    int is_trial;       /* 1: it is not known yet whether skins last */
+    int is_doubtful;    /* 1: all have left their first skins since it began: these may not last either */
+    int is_trial;       /* 1: it is not known yet whether skins last; */
+    int is_calm;        /* none has been left; */
+    double growth;      /* so many times as many candidates as pairs there would be; 0: it was not counted */
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
@@ -870,7 +887,7 @@ struct grid {
                         while nothing is kept, would have since */
     uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
     struct rows rows;
-    struct row_set row_set;   /* of all boxes that were pruned last, as they were then, */
+    struct row_set row_set;   /* of all boxes that were pruned last, as they were then or with their skins, */
     uint32_t wide[MOST_WIDE]; /* but for these */
     size_t n_wide;
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
@@ -995,7 +1012,7 @@ void msap_renewal_free(struct renewal *r, struct memory *m);
 void msap_upkeep_begins(struct grid *g);
 int msap_renewal_is_due(const struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job);
-int msap_skins_will_pay(const struct grid *g, const struct job *job, double leaving);
+int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving);
 void msap_trial_failed(struct grid *g);
 void msap_renewal_failed(struct grid *g);
 int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);

@@ -147,7 +147,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
 }
 
 /* Finds the pairs that overlap, and the events. Returns 0 without memory, and
- * UNSUITED, with nothing done but that rows were counted anew, where there are many wide boxes. */
+ * UNSUITED, with nothing done but that rows and wide boxes were counted anew, where there are many of these. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
     struct jump j = {.grid = g, .job = job};
@@ -158,10 +158,11 @@ int msap_grid_jump(struct grid *g, struct job *job)
     }
     int done = count_all(g, job, p);
     if (done != 1) return done;
-    enum renewal_step next = g->will_go_on ? g->renewal.next : NO_RENEWAL;
-    if (g->is_tracking) {
-        msap_grid_empty(g, job->memory);
+    enum renewal_step next = g->renewal.next;
+    if (g->is_tracking) msap_grid_empty(g, job->memory);
+    if (g->will_go_on) {
         g->renewal.next = next;
+        g->renewal.is_doubtful = 1;
     }
     g->is_jumping = 1;
     g->moves = job->boxes->live;

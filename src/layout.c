@@ -40,8 +40,8 @@ static void look(const struct box_table *boxes, const struct bounds_by_slot *bou
     uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
     size_t n = 0, step = boxes->used / SAMPLES + 1;
     for (size_t slot = 0; slot < boxes->used; slot += step) {
-        const struct bounds *b = bounds_of_slot(bounds, slot);
         if ((boxes->at[slot].flags & bounds->flags) != bounds->flags) continue;
+        const struct bounds *b = bounds_of_slot(bounds, slot);
         double low = msap_value_of(b->min[k]), high = msap_value_of(b->max[k]);
         if (!(high - low < 1e30)) continue;
         size[n] = sortable(high - low);

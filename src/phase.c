@@ -13,7 +13,7 @@
  * into parts that are worth it, by what an item of it costs.
  *
  * Workers do not allocate. One whose buffers overflow goes on and counts what it finds;
- * the calling thread then gives it that much room, and the task is run once more. On one
+ * the calling thread then gives it that much room, and the task is run again. On one
  * worker, which is the calling thread, the buffers simply grow. */
 #include "internal.h"
 
@@ -69,6 +69,7 @@ void msap_crew_trim(struct crew *crew, struct memory *m, size_t slots, size_t pa
         msap_memory_shrink(m, &w->found, &w->room_found, 0, sizeof *w->found);
         msap_memory_shrink(m, &w->tag, &w->room_tag, slots, sizeof *w->tag);
         w->slots = slots < w->slots ? slots : w->slots;
+        w->wanted = 0;
     }
 }
 

@@ -13,9 +13,10 @@
  * done in steps, one after each of some commits, while the present skins serve; nothing of it shows before the
  * last one.
  *
- * 1. The skins to come are made, in two steps.
+ * 1. The skins to come are made, in two steps. If all boxes are pruned now, these are for a trial: for some
+ *    commits it is watched how many boxes leave them, and only if few do skins come into use.
  * 2. The boxes are sorted into rows by them (rows.c), in two steps.
- * 3. The rows are swept.
+ * 3. The rows are swept, in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
  *    already, are put into cells (move.c), and so are wide ones, which are in no row.
@@ -74,17 +75,60 @@ static int make_more_skins(struct grid *g, struct job *job)
 
 /* ------------------------------------------------------------------- trial */
 
+static int is_fitted(const struct grid *g, size_t slot)
+{
+    const struct box_table *t = g->boxes;
+    return slot < t->used && (t->at[slot].flags & (BOX_LIVE | BOX_FITTED)) == (BOX_LIVE | BOX_FITTED);
+}
+
 /* How many boxes have left the skins that were made for them: estimated from some. */
-static size_t count_outside(const struct grid *g)
+static double count_outside(const struct grid *g)
 {
     enum { SAMPLES = 256 };
-    size_t step = g->renewal.slots / SAMPLES + 1, n = 0;
-    for (size_t slot = 0; slot < g->renewal.slots && slot < g->boxes->used; slot += step) {
-        const struct box *b = &g->boxes->at[slot];
-        int is_fitted = (b->flags & (BOX_LIVE | BOX_FITTED)) == (BOX_LIVE | BOX_FITTED);
-        n += is_fitted && !contains(&g->renewal.fat[slot], &b->now);
+    const struct renewal *r = &g->renewal;
+    size_t step = r->slots / SAMPLES + 1, n = 0;
+    for (size_t slot = 0; slot < r->slots; slot += step) {
+        const struct readable skin = {r->fat[slot], 0};
+        n += is_fitted(g, slot) && !contains(&skin.bounds, &g->boxes->at[slot].now);
     }
-    return n * step; /* each stands for so many */
+    return (double)(n * step); /* each stands for so many */
+}
+
+/* Counts what a row holds that overlaps. */
+static size_t count_in_row(const void *context, struct worker *w, const struct row_question *q, size_t row,
+                           size_t n)
+{
+    const struct grid *g = context;
+    uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
+    struct row_sweep at = {.i = row_start(&g->row_set, row), .end = g->row_set.end[row]};
+    (void)w;
+    while (at.i < at.end) n += g->sweeps.ask_row(&g->row_set, q, &at, found);
+    return n;
+}
+
+/* How many other boxes rows hold that overlap bounds around a box. */
+static size_t count_others(const struct grid *g, const struct job *job, const struct bounds *around)
+{
+    const struct row_question q = {.lacks = 0};
+    size_t n = msap_rows_ask(&g->rows, around, &q, count_in_row, g, job->worker, 0);
+    return n > 0 ? n - 1 : 0; /* but itself */
+}
+
+/* How many times as many candidates there would be as there are pairs: estimated from how many more boxes, as rows
+ * hold them after a jump, the skins of some overlap. If both boxes of a pair had their skins, it would be so many
+ * times as many once more. */
+static double growth_of(const struct grid *g, const struct job *job)
+{
+    enum { SAMPLES = 64 };
+    const struct renewal *r = &g->renewal;
+    size_t wide = 1, narrow = 1;
+    for (size_t slot = 0; slot < r->slots; slot += r->slots / SAMPLES + 1) {
+        if (!is_fitted(g, slot)) continue;
+        wide += count_others(g, job, &r->fat[slot]);
+        narrow += count_others(g, job, &g->boxes->at[slot].now);
+    }
+    double growth = (double)wide / (double)narrow;
+    return growth * growth;
 }
 
 enum { TRIAL = 16 /* commits */ };
@@ -92,7 +136,12 @@ enum { TRIAL = 16 /* commits */ };
 /* Whether, as far as the trial has come, skins will pay. They are in use once all steps are done. */
 static int watch_skins(struct grid *g, struct job *job)
 {
-    return msap_skins_will_pay(g, job, (double)count_outside(g) / (TRIAL - CHANGE_SKINS));
+    struct renewal *r = &g->renewal;
+    double outside = count_outside(g);
+    if (r->growth == 0) r->growth = growth_of(g, job);
+    r->is_calm = outside == 0;
+    return msap_skins_will_pay(g, job, (int64_t)((double)job->pairs->active * r->growth),
+                               outside / (TRIAL - CHANGE_SKINS));
 }
 
 /* ------------------------------------------------------------------- step 2 */
@@ -235,8 +284,12 @@ static void put_on(struct grid *g, struct box_table *t, int are_new)
         if (b->level == NO_LEVEL && b->wobble > 0) b->wobble--; /* its last skin was right */
         b->level = NO_LEVEL;
         b->fat = b->flags & BOX_FITTED ? r->fat[slot] : b->now;
-        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) msap_skin_starts(g, slot, are_new);
-        else box_mark_left(t, slot);
+        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) {
+            msap_skin_starts(g, slot, are_new);
+        } else {
+            if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
+            box_mark_left(t, slot);
+        }
     }
 }
 
@@ -258,19 +311,19 @@ static int install(struct grid *g, struct job *job)
 
 /* ---------------------------------------------------------------- the whole */
 
-/* The step after one that was done. At the end of a trial, which is sooner where no box leaves, the skins are made
- * anew, to be used. */
+/* The step after one that was done. A trial is over soon where no box leaves, and its skins are used; if not, at
+ * the end others are made for use. */
 static enum renewal_step step_after(struct grid *g, enum renewal_step now)
 {
     struct renewal *r = &g->renewal;
-    if (now == MAKE_MORE_SKINS && !r->is_trial) return COUNT_ROWS;
-    if (now == WATCH_SKINS) {
-        uint32_t age = g->commit - g->upkeep.since;
-        if (age < TRIAL / 2 || (age < TRIAL && count_outside(g) > 0)) return now;
-        r->is_trial = 0;
-        return MAKE_SKINS;
-    }
+    uint32_t age = g->commit - g->upkeep.since;
     if (now == SWEEP_ROWS && r->swept < r->entries) return now;
+    if (now == WATCH_SKINS && age < TRIAL && !(age >= TRIAL / 3 && r->is_calm)) return now;
+    if (now == WATCH_SKINS) {
+        r->is_trial = 0;
+        return age < TRIAL ? COUNT_ROWS : MAKE_SKINS;
+    }
+    if (now == MAKE_MORE_SKINS && !r->is_trial) return COUNT_ROWS;
     return now == CHANGE_SKINS ? NO_RENEWAL : now + 1;
 }
 
@@ -284,22 +337,30 @@ void msap_renewal_go_on(struct grid *g, struct job *job)
         [FILL_ROWS] = fill_rows,     [SWEEP_ROWS] = find_candidates,
         [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
+    int may_go_on = !g->renewal.is_doubtful || watch_skins(g, job);
     g->renewal.next = NO_RENEWAL;
-    int done = steps[now](g, job);
-    if (!done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
-    if (!done && now == WATCH_SKINS) msap_trial_failed(g);
+    g->renewal.is_doubtful = 0;
+    int done = may_go_on && steps[now](g, job);
+    if (may_go_on && !done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
+    if (!may_go_on || (!done && now == WATCH_SKINS)) msap_trial_failed(g);
     else if (!done) msap_renewal_failed(g);
     else if (now == CHANGE_SKINS) msap_renewal_was_made(g, job);
     if (done) g->renewal.next = step_after(g, now);
 }
 
-/* The first step. While all boxes are pruned, it begins with a trial. */
-void msap_renewal_begin(struct grid *g, struct job *job)
+/* The first step. */
+static void begin(struct grid *g, struct job *job, int is_trial)
 {
-    g->renewal.is_trial = !g->is_tracking;
-    g->renewal.next = MAKE_SKINS;
+    struct renewal *r = &g->renewal;
+    r->is_trial = is_trial;
+    r->is_doubtful = 0;
+    r->growth = 0;
+    r->next = MAKE_SKINS;
     msap_renewal_go_on(g, job);
 }
+
+/* The same. While all boxes are pruned, it is that of a trial. */
+void msap_renewal_begin(struct grid *g, struct job *job) { begin(g, job, !g->is_tracking); }
 
 /* All steps, when a world is loaded: skins for any motion, and candidates that know already what they are. Where
  * boxes have many pairs that would be dear. */
@@ -307,9 +368,9 @@ void msap_renewal_at_once(struct grid *g, struct job *job)
 {
     enum { MANY = 12 };
     if (pairs_of_a_box(job) > MANY) return;
-    g->renewal.is_trial = 0;
-    g->renewal.next = MAKE_SKINS;
+    begin(g, job, 0);
     while (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
+    if (!g->in_skins) return;
     int done = msap_candidates_touch(g, job) && msap_candidates_find(g, job, NULL, 0);
     if (!done) msap_grid_empty(g, job->memory);
     g->upkeep.is_first = 1;

@@ -9,11 +9,10 @@
  * there and in the rows become its neighbours; then it is as any other (track.c). To load a level costs what
  * one pruning does.
  *
- * A box of the last commit that is in no cell rests: the rows hold it as it was then. Two
+ * A box of the last commit that is in no cell rests: the rows hold it as it was then, or with its skin. Two
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
  * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
- * any more is passed over. If they rest in skins (renew.c), the rows hold these instead, and what all
- * boxes are to each other candidates tell. */
+ * any more is passed over. If they rest in skins (renew.c), what all boxes are to each other candidates tell. */
 #include "rows.h"
 
 /* ------------------------------------------------------------------- asking */
@@ -58,7 +57,7 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
 }
 
 /* Writes behind the first n that the worker has found the boxes that rest, have all of the flags and whose
- * bounds in the rows overlap `where`; for a static box those that are not static. In most cases each is
+ * bounds overlap `where`; for a static box those that are not static. In most cases each is
  * written once. Returns how many are found then, or SIZE_MAX without room. */
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)

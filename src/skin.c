@@ -11,8 +11,9 @@
  * what the last skin came to. Left long before its time, it did not fit the motion:
  * the next one is wider on the sides, or, when that has not helped, for half as
  * long. If it held, the next is for longer, unless the tests of neighbours in vain
- * outweighed the work of a move. And no skin reaches further than the box is large:
- * boxes that jump have none.
+ * outweighed the work of a move. And no such skin reaches further than the box is large:
+ * boxes that jump have none. Skins that all boxes get together (renew.c) are made for the same time for all, and
+ * may reach further.
  *
  * Far from the origin floats are coarse: a slow box stands still in most commits and then
  * takes a step of a whole unit in the last place, on one axis or another. Where steps are
@@ -321,12 +322,6 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
 }
 
 /* ------------------------------------------------------------------ renewals */
-
-/* Bounds that vectors may read (bounds.h). */
-struct readable {
-    struct bounds bounds;
-    int32_t fourth;
-};
 
 /* Makes the skin of a box, to last as long as all others', between commits: it may be far longer than the box if
  * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a

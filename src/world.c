@@ -121,7 +121,6 @@ msap_status msap_destroy(msap_world *world)
     return MSAP_OK;
 }
 
-/* Gives back what the world does not need; changes may be pending. */
 /* Opens a call that changes the world, which msap_world.busy marks until it ends. */
 msap_status msap_world_begin(msap_world *w)
 {
@@ -137,6 +136,7 @@ msap_status msap_world_end(msap_world *w, msap_status status)
     return status;
 }
 
+/* Gives back what the world does not need; changes may be pending. */
 void msap_world_trim(msap_world *w)
 {
     struct memory *m = &w->memory;

@@ -195,7 +195,7 @@ START_TEST(all_happens_in_a_trial)
                 end_frame(&w);
             }
             int times = walk_through(&w, what, step, 50);
-            if (is_free(&w) && step <= WATCH_SKINS) ck_assert_int_gt(times, 0);
+            if (is_free(&w) && (step == MAKE_MORE_SKINS || step == WATCH_SKINS)) ck_assert_int_gt(times, 0);
             right(session_close(&w.s));
         }
 }
@@ -261,6 +261,7 @@ static void candidates_are_distinct(const walkers *w)
 {
     static uint64_t key[300 * 299 / 2];
     const struct keys *all = &grid_of(w)->candidates;
+    if (grid_of(w)->untold > 0) return; /* until the next commit */
     ck_assert_uint_le(all->n, COUNT(key));
     for (size_t i = 0; i < all->n; i++)
         key[i] = pair_key((uint32_t)(all->at[i] >> 32), near_slot((uint32_t)all->at[i]));
@@ -359,7 +360,7 @@ START_TEST(boxes_in_cells_get_lists)
     walkers w;
     open_walk(&w, row, 3, 14);
     for (int i = 0; i < 5; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.05f, 0);
-    put_some(&w, 500, 0.12f, 2);
+    put_some(&w, 500, 0.04f, 2);
     for (int frame = 0; frame < (later ? 20 : 1); frame++) {
         walk(&w, 0);
         if (frame == 12) happen(&w, JUMP);
@@ -438,6 +439,66 @@ START_TEST(without_memory)
 }
 END_TEST
 
+/* Memory that holds the number *user over and over. */
+static void *junk_alloc(void *user, size_t bytes)
+{
+    uint16_t *memory = malloc(bytes + 1);
+    for (size_t i = 0; memory && i < (bytes + 1) / 2; i++) memory[i] = *(const uint16_t *)user;
+    return memory;
+}
+
+static void junk_free(void *user, void *memory, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    free(memory);
+}
+
+/* Boxes jump about, more come, then all walk but for a few, which jump. Gives what each commit looked at. */
+static void jump_and_walk(uint64_t seed, uint16_t junk, uint64_t touched[60], uint64_t candidates[60])
+{
+    static box bounds[400];
+    static msap_handle names[400];
+    const uint32_t size[3] = {16, 12, 8};
+    msap_config config = config_of(3, DEFAULT);
+    walkers w;
+    msap_world *world;
+    w.s.random = seed;
+    config.alloc = junk_alloc;
+    config.free = junk_free;
+    config.allocator_user = &junk;
+    ok(msap_create(&config, &world));
+    for (int frame = 0; frame < 60; frame++) {
+        for (uint32_t i = 0; i < (frame < 4 ? 330u : 400u); i++) {
+            int is_new = frame == 0 || (frame == 4 && i >= 330), jumps = frame < 8 || random_below(&w.s.random, 50) == 0;
+            if (is_new || jumps) bounds[i] = in_block(&w, size);
+            for (int k = 0; k < 3 && !jumps; k++) {
+                bounds[i].min[k] += 0.01f * (float)((int)i % (3 + k) - 1);
+                bounds[i].max[k] += 0.01f * (float)((int)i % (3 + k) - 1);
+            }
+            if (is_new) names[i] = add(world, bounds[i]);
+            else update(world, names[i], bounds[i]);
+        }
+        ok(msap_commit(world, NULL, NULL));
+        touched[frame] = stats_of(world).touched;
+        candidates[frame] = stats_of(world).candidates;
+    }
+    ok(msap_destroy(world));
+}
+
+/* What skins boxes get never depends on what memory held. */
+START_TEST(junk_in_memory_means_nothing)
+{
+    uint64_t touched[2][60], candidates[2][60];
+    for (uint64_t seed = 1; seed <= 60; seed++) {
+        jump_and_walk(seed, 40000, touched[0], candidates[0]);
+        jump_and_walk(seed, (uint16_t)seed, touched[1], candidates[1]);
+        ck_assert(memcmp(touched[0], touched[1], sizeof touched[0]) == 0);
+        ck_assert(memcmp(candidates[0], candidates[1], sizeof candidates[0]) == 0);
+    }
+}
+END_TEST
+
 /* ------------------------------------------------------------------ checking */
 
 /* The validator sees what is wrong with candidates. */
@@ -506,6 +567,7 @@ int main(void)
     tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
+    tcase_add_test(tests, junk_in_memory_means_nothing);
     tcase_add_test(tests, broken_candidates);
     return run_case(tests, "renewing");
 }
