@@ -140,7 +140,7 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 /* A step after each commit. */
 static int64_t renewal_steps(const struct job *job)
 {
-    return CHANGE_SKINS - WATCH_SKINS + 1 + (int64_t)sweep_steps(job);
+    return CHANGE_SKINS - WATCH_SKINS - 1 + (int64_t)sweep_steps(job);
 }
 
 /* How many candidates there are or, while there are no skins, would be at least. */

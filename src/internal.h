@@ -818,9 +818,10 @@ struct sweeps msap_sweeps_for(uint32_t simd);
 /* Skins, rows and candidates to come (renew.c). */
 enum renewal_step {
     NO_RENEWAL,
+    TRY_SKINS,
+    WATCH_SKINS,
     MAKE_SKINS,
     MAKE_MORE_SKINS,
-    WATCH_SKINS,
     COUNT_ROWS,
     FILL_ROWS,
     SWEEP_ROWS,
@@ -829,8 +830,7 @@ enum renewal_step {
 struct renewal {
     enum renewal_step next;
     int is_doubtful;    /* 1: all have left their first skins since it began: these may not last either */
-    int is_trial;       /* 1: it is not known yet whether skins last; */
-    int is_calm;        /* none has been left; */
+    int is_calm;        /* 1: no skin that was watched has been left; */
     double growth;      /* so many times as many candidates as pairs there would be; 0: it was not counted */
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;

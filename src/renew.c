@@ -13,19 +13,29 @@
  * done in steps, one after each of some commits, while the present skins serve; nothing of it shows before the
  * last one.
  *
- * 1. The skins to come are made, in two steps. If all boxes are pruned now, these are for a trial: for some
- *    commits it is watched how many boxes leave them, and only if few do skins come into use.
+ * 1. The skins to come are made, in two steps.
  * 2. The boxes are sorted into rows by them (rows.c), in two steps.
  * 3. The rows are swept, in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
  *    already, are put into cells (move.c), and so are wide ones, which are in no row.
  *
+ * While all boxes are pruned, that is tried first: some boxes get skins, and for some commits it is watched how
+ * many leave them.
+ *
  * From then on there are candidates instead of lists (candidates.c): a box that leaves its skin finds in cells and
  * rows what others it has. */
 #include "rows.h"
 
 /* ------------------------------------------------------------------- step 1 */
+
+/* Makes the skin of a box that is live. */
+static void fit_one(struct grid *g, size_t slot)
+{
+    if (!(g->boxes->at[slot].flags & BOX_LIVE)) return;
+    msap_skin_ahead(g, (uint32_t)slot, &g->renewal.fat[slot]);
+    g->boxes->at[slot].flags |= BOX_FITTED;
+}
 
 /* Boxes that get skins: from a slot on. */
 struct fitting {
@@ -37,13 +47,8 @@ struct fitting {
 static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct fitting *f = context;
-    struct grid *g = f->grid;
     (void)w;
-    for (size_t slot = f->from + first; slot < f->from + last; slot++) {
-        if (!(g->boxes->at[slot].flags & BOX_LIVE)) continue;
-        msap_skin_ahead(g, (uint32_t)slot, &g->renewal.fat[slot]);
-        g->boxes->at[slot].flags |= BOX_FITTED;
-    }
+    for (size_t slot = f->from + first; slot < f->from + last; slot++) fit_one(f->grid, slot);
 }
 
 static void fit_all(struct grid *g, struct job *job, size_t from, size_t to)
@@ -52,8 +57,8 @@ static void fit_all(struct grid *g, struct job *job, size_t from, size_t to)
     msap_phase_run(job->crew, job->memory, fit, &f, to - from, WEIGHT_SKIN); /* it finds nothing */
 }
 
-/* Those of the first half. Returns 0 without memory. */
-static int make_skins(struct grid *g, struct job *job)
+/* Room for the skins of all boxes. Returns 0 without memory. */
+static int prepare_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     const struct box_table *t = job->boxes;
@@ -62,7 +67,14 @@ static int make_skins(struct grid *g, struct job *job)
     if (!msap_memory_reserve(job->memory, &r->fat, &r->room_fat, t->used, 0, sizeof *r->fat)) return 0;
     r->slots = t->used;
     msap_upkeep_begins(g);
-    fit_all(g, job, 0, r->slots / 2);
+    return 1;
+}
+
+/* Those of the first half. Returns 0 without memory. */
+static int make_skins(struct grid *g, struct job *job)
+{
+    if (!prepare_skins(g, job)) return 0;
+    fit_all(g, job, 0, g->renewal.slots / 2);
     return 1;
 }
 
@@ -75,6 +87,19 @@ static int make_more_skins(struct grid *g, struct job *job)
 
 /* ------------------------------------------------------------------- trial */
 
+enum { TRIAL = 16 /* commits */, SAMPLES = 256, FEW_SAMPLES = 64 };
+
+/* Of boxes in so many slots each one in so many is looked at. */
+static size_t one_in(size_t slots, size_t samples) { return slots / samples + 1; }
+
+/* Some boxes get skins, to be watched. Returns 0 without memory. */
+static int try_skins(struct grid *g, struct job *job)
+{
+    if (!prepare_skins(g, job)) return 0;
+    for (size_t slot = 0; slot < g->renewal.slots; slot += one_in(g->renewal.slots, SAMPLES)) fit_one(g, slot);
+    return 1;
+}
+
 static int is_fitted(const struct grid *g, size_t slot)
 {
     const struct box_table *t = g->boxes;
@@ -84,9 +109,8 @@ static int is_fitted(const struct grid *g, size_t slot)
 /* How many boxes have left the skins that were made for them: estimated from some. */
 static double count_outside(const struct grid *g)
 {
-    enum { SAMPLES = 256 };
     const struct renewal *r = &g->renewal;
-    size_t step = r->slots / SAMPLES + 1, n = 0;
+    size_t step = one_in(r->slots, SAMPLES), n = 0;
     for (size_t slot = 0; slot < r->slots; slot += step) {
         const struct readable skin = {r->fat[slot], 0};
         n += is_fitted(g, slot) && !contains(&skin.bounds, &g->boxes->at[slot].now);
@@ -119,10 +143,9 @@ static size_t count_others(const struct grid *g, const struct job *job, const st
  * times as many once more. */
 static double growth_of(const struct grid *g, const struct job *job)
 {
-    enum { SAMPLES = 64 };
     const struct renewal *r = &g->renewal;
-    size_t wide = 1, narrow = 1;
-    for (size_t slot = 0; slot < r->slots; slot += r->slots / SAMPLES + 1) {
+    size_t step = one_in(r->slots, SAMPLES) * one_in(SAMPLES - 1, FEW_SAMPLES), wide = 1, narrow = 1;
+    for (size_t slot = 0; slot < r->slots; slot += step) {
         if (!is_fitted(g, slot)) continue;
         wide += count_others(g, job, &r->fat[slot]);
         narrow += count_others(g, job, &g->boxes->at[slot].now);
@@ -130,8 +153,6 @@ static double growth_of(const struct grid *g, const struct job *job)
     double growth = (double)wide / (double)narrow;
     return growth * growth;
 }
-
-enum { TRIAL = 16 /* commits */ };
 
 /* Whether, as far as the trial has come, skins will pay. They are in use once all steps are done. */
 static int watch_skins(struct grid *g, struct job *job)
@@ -141,7 +162,7 @@ static int watch_skins(struct grid *g, struct job *job)
     if (r->growth == 0) r->growth = growth_of(g, job);
     r->is_calm = outside == 0;
     return msap_skins_will_pay(g, job, (int64_t)((double)job->pairs->active * r->growth),
-                               outside / (TRIAL - CHANGE_SKINS));
+                               outside / (TRIAL - (CHANGE_SKINS - WATCH_SKINS)));
 }
 
 /* ------------------------------------------------------------------- step 2 */
@@ -311,19 +332,13 @@ static int install(struct grid *g, struct job *job)
 
 /* ---------------------------------------------------------------- the whole */
 
-/* The step after one that was done. A trial is over soon where no box leaves, and its skins are used; if not, at
- * the end others are made for use. */
+/* The step after one that was done. A trial is over soon where no box leaves. */
 static enum renewal_step step_after(struct grid *g, enum renewal_step now)
 {
     struct renewal *r = &g->renewal;
-    uint32_t age = g->commit - g->upkeep.since;
+    uint32_t trial = r->is_calm ? TRIAL / 3 : TRIAL;
     if (now == SWEEP_ROWS && r->swept < r->entries) return now;
-    if (now == WATCH_SKINS && age < TRIAL && !(age >= TRIAL / 3 && r->is_calm)) return now;
-    if (now == WATCH_SKINS) {
-        r->is_trial = 0;
-        return age < TRIAL ? COUNT_ROWS : MAKE_SKINS;
-    }
-    if (now == MAKE_MORE_SKINS && !r->is_trial) return COUNT_ROWS;
+    if (now == WATCH_SKINS && g->commit - g->upkeep.since < trial) return now;
     return now == CHANGE_SKINS ? NO_RENEWAL : now + 1;
 }
 
@@ -332,10 +347,10 @@ static enum renewal_step step_after(struct grid *g, enum renewal_step now)
 void msap_renewal_go_on(struct grid *g, struct job *job)
 {
     static int (*const steps[])(struct grid * g, struct job * job) = {
-        [MAKE_SKINS] = make_skins,   [MAKE_MORE_SKINS] = make_more_skins,
-        [WATCH_SKINS] = watch_skins, [COUNT_ROWS] = count_rows,
-        [FILL_ROWS] = fill_rows,     [SWEEP_ROWS] = find_candidates,
-        [CHANGE_SKINS] = install};
+        [TRY_SKINS] = try_skins,        [WATCH_SKINS] = watch_skins,
+        [MAKE_SKINS] = make_skins,      [MAKE_MORE_SKINS] = make_more_skins,
+        [COUNT_ROWS] = count_rows,      [FILL_ROWS] = fill_rows,
+        [SWEEP_ROWS] = find_candidates, [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
     int may_go_on = !g->renewal.is_doubtful || watch_skins(g, job);
     g->renewal.next = NO_RENEWAL;
@@ -348,19 +363,20 @@ void msap_renewal_go_on(struct grid *g, struct job *job)
     if (done) g->renewal.next = step_after(g, now);
 }
 
-/* The first step. */
-static void begin(struct grid *g, struct job *job, int is_trial)
+static void begin(struct grid *g, struct job *job, enum renewal_step first)
 {
     struct renewal *r = &g->renewal;
-    r->is_trial = is_trial;
     r->is_doubtful = 0;
     r->growth = 0;
-    r->next = MAKE_SKINS;
+    r->next = first;
     msap_renewal_go_on(g, job);
 }
 
-/* The same. While all boxes are pruned, it is that of a trial. */
-void msap_renewal_begin(struct grid *g, struct job *job) { begin(g, job, !g->is_tracking); }
+/* The first step. While all boxes are pruned, it is that of a trial. */
+void msap_renewal_begin(struct grid *g, struct job *job)
+{
+    begin(g, job, g->is_tracking ? MAKE_SKINS : TRY_SKINS);
+}
 
 /* All steps, when a world is loaded: skins for any motion, and candidates that know already what they are. Where
  * boxes have many pairs that would be dear. */
@@ -368,7 +384,7 @@ void msap_renewal_at_once(struct grid *g, struct job *job)
 {
     enum { MANY = 12 };
     if (pairs_of_a_box(job) > MANY) return;
-    begin(g, job, 0);
+    begin(g, job, MAKE_SKINS);
     while (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
     if (!g->in_skins) return;
     int done = msap_candidates_touch(g, job) && msap_candidates_find(g, job, NULL, 0);
