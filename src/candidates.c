@@ -170,12 +170,11 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
 static int put_into_places(struct keys *candidates, struct memory *m, const struct keys *pairs, size_t vacant)
 {
     size_t found = pairs->n - vacant, n = found < vacant ? found : vacant;
-    const uint64_t *key = pairs->at + vacant;
     if (candidates->n + found - n > UINT32_MAX) /* GCOVR_EXCL_BR_LINE: they could not be named; they take 32 GB */
         return 0;                               /* GCOVR_EXCL_LINE: the same */
     if (!msap_keys_reserve(candidates, m, candidates->n + found - n)) return 0;
-    for (size_t i = 0; i < n; i++) candidates->at[pairs->at[i]] = key[i];
-    for (size_t i = n; i < found; i++) candidates->at[candidates->n++] = key[i];
+    for (size_t i = 0; i < n; i++) candidates->at[pairs->at[i]] = pairs->at[vacant + i];
+    for (size_t i = n; i < found; i++) candidates->at[candidates->n++] = pairs->at[vacant + i];
     for (size_t i = vacant; i > n; i--) candidates->at[pairs->at[i - 1]] = candidates->at[--candidates->n];
     return 1;
 }

@@ -28,7 +28,8 @@
  * world is put into skins when it is loaded, before any motion is known, and gets others as soon
  * as it is. From then on skins are renewed when boxes are about to leave them faster than is worth
  * it, which is told from how some of them move. When skins do not last, all is pruned for a while,
- * and for twice as long after the next time. When few boxes move, they rest without skins.
+ * and for twice as long after the next time; then some boxes get skins for a trial, and if few
+ * leave them, all do. When few boxes move, they rest as they are.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -155,6 +156,8 @@ static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
     return tests * dearness(job->boxes->live) / ONE;
 }
 
+static int64_t cost_of_candidates(int64_t n) { return n * CANDIDATE / 4; }
+
 /* Whether skins may ever be renewed together. Few boxes are not worth it. */
 static int can_renew(const struct grid *g, const struct job *job)
 {
@@ -190,7 +193,8 @@ static int do_many_move(const struct box_table *t)
 int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving)
 {
     int64_t commits = (int64_t)g->upkeep.horizon - renewal_steps(job);
-    int64_t upkeep = candidates * CANDIDATE / 4 + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+    int64_t upkeep = cost_of_candidates(candidates) +
+                     cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
                      (int64_t)(leaving * (double)cost_of_stray(job, candidates));
     return upkeep < costs_of(g, job).jump * 7 / 8;
 }
@@ -241,13 +245,14 @@ int msap_renewal_is_due(const struct grid *g, const struct job *job)
     return u->is_first || (next > u->lately ? next : u->lately) * age > renewal + u->spent;
 }
 
-/* Skins would not last or, if none has been left, are too wide. A trial costs little, so there will be others. */
+/* Skins would not last or, if none has been left, overlap too many others: the next ones are made for less time. A
+ * trial costs little, so there will be others. */
 void msap_trial_failed(struct grid *g)
 {
     enum { WAIT = 8 };
     struct upkeep *u = &g->upkeep;
     u->not_before = g->commit + WAIT;
-    if (g->renewal.is_calm) u->horizon = u->horizon > 2 * HORIZON_SHORT ? u->horizon / 2 : HORIZON_SHORT;
+    if (g->renewal.is_calm) u->horizon = u->horizon / 2 >= HORIZON_SHORT ? u->horizon / 2 : HORIZON_START;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
@@ -355,8 +360,8 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     }
     int64_t moves = (int64_t)misplaced - leaving;
     if (g->in_skins) {
-        c.track =
-            account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) + (int64_t)g->candidates.n;
+        c.track = account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) +
+                  cost_of_candidates((int64_t)g->candidates.n);
     } else {
         account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - cost_of_tracking(job, 0, 0));
         c.track = cost_of_tracking(job, moves, leaving);

@@ -112,8 +112,9 @@ static double count_outside(const struct grid *g)
     const struct renewal *r = &g->renewal;
     size_t step = one_in(r->slots, SAMPLES), n = 0;
     for (size_t slot = 0; slot < r->slots; slot += step) {
+        if (!is_fitted(g, slot)) continue;
         const struct readable skin = {r->fat[slot], 0};
-        n += is_fitted(g, slot) && !contains(&skin.bounds, &g->boxes->at[slot].now);
+        n += !contains(&skin.bounds, &g->boxes->at[slot].now);
     }
     return (double)(n * step); /* each stands for so many */
 }
@@ -254,11 +255,8 @@ static void exchange(struct keys *a, struct keys *b)
 /* The more candidates boxes have, the more steps it takes. Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
-    enum { FEW = 3, MOST_STEPS_OF_IT = 4 };
     struct renewal *r = &g->renewal;
-    size_t steps = 1 + pairs_of_a_box(job) / FEW;
-    size_t share = r->entries / (steps < MOST_STEPS_OF_IT ? steps : MOST_STEPS_OF_IT) + 1,
-           left = r->entries - r->swept;
+    size_t share = r->entries / sweep_steps(job) + 1, left = r->entries - r->swept;
     struct swept part = {g, r->swept};
     r->swept += share < left ? share : left;
     exchange(&job->worker->pairs, &r->found);
@@ -333,9 +331,9 @@ static int install(struct grid *g, struct job *job)
 /* ---------------------------------------------------------------- the whole */
 
 /* The step after one that was done. A trial is over soon where no box leaves. */
-static enum renewal_step step_after(struct grid *g, enum renewal_step now)
+static enum renewal_step step_after(const struct grid *g, enum renewal_step now)
 {
-    struct renewal *r = &g->renewal;
+    const struct renewal *r = &g->renewal;
     uint32_t trial = r->is_calm ? TRIAL / 3 : TRIAL;
     if (now == SWEEP_ROWS && r->swept < r->entries) return now;
     if (now == WATCH_SKINS && g->commit - g->upkeep.since < trial) return now;
