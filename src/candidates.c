@@ -30,12 +30,6 @@ static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, s
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* A pair of which a touch finds out; of two that overlap now although one of them left, step 3 does. */
-static inline void settle_if_other(struct settler *s, uint32_t a, uint32_t b, int was, int is)
-{
-    if (is != was) msap_settle_change(s, pair_key(a, b), is);
-}
-
 /* Candidates that are touched: from one on. */
 struct touching {
     struct grid *grid;
@@ -59,7 +53,7 @@ static void touch(void *context, struct worker *w, size_t first, size_t last)
         if ((is == was) & !left) continue;
         msap_worker_put(w, left ? i | VACANT : i);
         if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
-        if (was || !left) settle_if_other(&w->settler, a, b, was, is);
+        if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
     }
 }
 
@@ -84,7 +78,7 @@ static void touch_untold(void *context, struct worker *w, size_t first, size_t l
         int is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
         c[i] = (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
         if (left) msap_worker_put(w, i | VACANT);
-        if (was || !left) settle_if_other(&w->settler, a, b, was, is);
+        if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
     }
 }
 
