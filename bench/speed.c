@@ -176,11 +176,12 @@ static void measure_threads(const recipe *r, thread_pool *pool)
 
 static void measure_memory(const char *name, double moving, double overlaps)
 {
-    const recipe r = {"", 1000000, 4, overlaps, moving, 0.005, STRAIGHT, 0, 0}; /* so slow that cells are kept */
+    const recipe r = {"", 1000000, 12, overlaps, moving, 0.005, STRAIGHT, 0, 0}; /* until all have had new skins */
     scene s = scene_make(&r);
     const setting world = {&s, NULL, 1};
     world_run run = library_run(&world);
     print_count("memory", name, "bytes a box, peak", (double)run.stats.bytes_peak / s.boxes);
+    print_count("memory", name, "bytes a box, then", (double)run.stats.bytes / s.boxes);
     print_count("memory", name, "bytes a box, trimmed", (double)run.bytes_trimmed / s.boxes);
     print_count("memory", name, "pairs a box", (double)run.stats.pairs / s.boxes);
     print_count("memory", name, "candidate pairs a box", (double)run.stats.candidates / s.boxes);

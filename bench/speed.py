@@ -170,9 +170,10 @@ def rest_table(results):
 def memory_lines(results):
     yield from claims.count_table(results, "memory")
     yield from claims.paragraph(
-        "By the library's own count: the most that it ever held, with room to grow, an eighth of each array, and what "
-        "it holds after `msap_trim`, until the next commit makes all that it keeps anew. Where most boxes move, rows and "
-        "candidate pairs, pairs whose skins overlap, are held twice, since new ones are made while the present ones serve.")
+        "By the library's own count: the most that it ever held, with room to grow, an eighth of each array; what it "
+        "held after the last frame; and what after `msap_trim`, until the next commit makes all that it keeps anew. "
+        "Where most boxes move, rows and candidate pairs, pairs whose skins overlap, are held twice while new ones are "
+        "made and the present ones serve.")
 
 
 def measured(results, replays, traces, modes, rounds):

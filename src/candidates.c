@@ -116,12 +116,13 @@ struct asking_boxes {
     const uint32_t *slot;
 };
 
-/* Whether a box that asks and one that it has found are candidates, and it is up to it to say so. */
+/* Whether a box that asks and one that it has found are candidates, and it is up to it to say so. A static one
+ * finds none that is static. */
 static inline int is_candidate(const struct box *boxes, uint32_t slot, uint32_t other)
 {
     const struct box *p = &boxes[slot], *q = &boxes[other];
     int is_asked_by_other = (q->flags & BOX_LEFT) && other < slot;
-    return other != slot && !is_asked_by_other && !(p->flags & q->flags & BOX_STATIC) && overlap(&p->fat, &q->fat);
+    return other != slot && !is_asked_by_other && overlap(&p->fat, &q->fat);
 }
 
 /* Settles and keeps the candidates of a box among the first n that the worker has found. */

@@ -324,13 +324,6 @@ void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_
 
 /* ------------------------------------------------------------------- asking */
 
-/* The marks that tell, in the i-th row of 1 + `more` on an axis across, what starts there: only that is asked for,
- * but in the first row, unless it is all around. */
-static uint32_t starts_in(uint32_t i, uint32_t more, uint32_t count, uint32_t mark)
-{
-    return i > 0 || (more > 0 && more == count - 1) ? mark : 0;
-}
-
 /* Asks the rows that bounds touch what in them overlaps, has what the question tells, and lies in no row before:
  * so, in most cases, each box is found once. The first n have been found already; returns how many are then, or
  * SIZE_MAX without room. */
@@ -345,8 +338,7 @@ size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const str
     }
     for (uint32_t z = 0, line = span.row; z <= span.more[1]; z++, line = next_line(r, line))
         for (uint32_t y = 0, row = line; y <= span.more[0] && n != SIZE_MAX; y++, row = next_row(r, row)) {
-            here.lacks = q->lacks | starts_in(y, span.more[0], r->count[0], ROW_STARTS_1) |
-                         starts_in(z, span.more[1], r->count[1], ROW_STARTS_2);
+            here.lacks = q->lacks | (y > 0 ? ROW_STARTS_1 : 0) | (z > 0 ? ROW_STARTS_2 : 0);
             n = ask(context, w, &here, row, n);
         }
     return n;

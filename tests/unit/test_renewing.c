@@ -379,6 +379,29 @@ START_TEST(boxes_in_cells_get_lists)
 }
 END_TEST
 
+/* Each allocation of the commits in which boxes in cells get lists fails once, as above. */
+START_TEST(lists_without_memory)
+{
+    if (!chooses(_i)) return;
+    size_t failures = 1;
+    for (size_t n = 1; failures > 0; n++) {
+        walkers w;
+        open_walk(&w, _i, 3, 15);
+        for (int i = 0; i < 4; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.04f, 0);
+        put_some(&w, 260, 0.04f, 2);
+        end_frame(&w);
+        w.s.memory.fail_at = w.s.memory.calls + n;
+        for (uint32_t frame = 0; frame < 4; frame++) {
+            set(&w, frame, w.bounds[frame + 1]);
+            set(&w, frame + 9, w.bounds[frame + 30]);
+            end_frame(&w);
+        }
+        failures = w.s.memory.failures;
+        right(session_close(&w.s));
+    }
+}
+END_TEST
+
 /* Boxes that come and go but do not move get no skins: a level is loaded, half of it goes, more of it comes. */
 START_TEST(who_does_not_move_needs_no_skin)
 {
@@ -564,6 +587,7 @@ int main(void)
     tcase_add_loop_test(tests, wide_boxes_walk, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_stop_and_walk_on, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_in_cells_get_lists, 0, 2 * SETUPS);
+    tcase_add_loop_test(tests, lists_without_memory, 0, SETUPS);
     tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
