@@ -31,7 +31,7 @@ static void measure_growth(const char *claim, double speed, motion motion)
     static const struct {
         uint32_t boxes, frames;
         unsigned rounds;
-    } size[] = {{1000, 100, 9}, {10000, 40, 7}, {100000, 16, 3}, {1000000, 8, 3}};
+    } size[] = {{1000, 100, 9}, {10000, 40, 7}, {100000, 32, 3}, {1000000, 24, 3}};
     for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
         char name[32];
         const recipe r = {"", size[i].boxes, size[i].frames, 2, 1, speed, motion, 0, 0};

@@ -188,15 +188,48 @@ static int do_many_move(const struct box_table *t)
     return n * step * SHARE >= t->live;
 }
 
-/* Whether skins are better than to prune all, by more than may be chance: if they are renewed over and over, there
- * are so many candidates, and so many boxes leave their skins in each commit. */
+/* What a commit costs if skins are made for so many commits and renewed over and over, there are so many
+ * candidates, and so many boxes leave their skins in each commit. */
+static int64_t foreseen_upkeep(const struct job *job, uint32_t horizon, int64_t candidates, double leaving)
+{
+    int64_t commits = (int64_t)horizon - renewal_steps(job);
+    return cost_of_candidates(candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+           (int64_t)(leaving * (double)cost_of_stray(job, candidates));
+}
+
+/* Whether that is better than to prune all, by more than may be chance. */
 int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving)
 {
-    int64_t commits = (int64_t)g->upkeep.horizon - renewal_steps(job);
-    int64_t upkeep = cost_of_candidates(candidates) +
-                     cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
-                     (int64_t)(leaving * (double)cost_of_stray(job, candidates));
-    return upkeep < costs_of(g, job).jump * 7 / 8;
+    return foreseen_upkeep(job, g->upkeep.horizon, candidates, leaving) < costs_of(g, job).jump * 7 / 8;
+}
+
+/* How many times as many candidates as pairs there would be where boxes lie at random, by the skins that some
+ * would get. */
+static double foreseen_growth(const struct grid *g, uint32_t commits)
+{
+    enum { SAMPLES = 64 };
+    const struct box_table *t = g->boxes;
+    size_t step = t->used / SAMPLES + 1, n = 0;
+    double growth = 0;
+    for (uint32_t slot = 0; slot < t->used; slot += (uint32_t)step) {
+        if (!(t->at[slot].flags & BOX_LIVE)) continue;
+        growth += msap_skin_growth(g, slot, commits);
+        n++;
+    }
+    return n > 0 ? growth / (double)n : 1;
+}
+
+/* Before skins are made for motion for the first time: for how many commits it is best. */
+void msap_horizon_choose(struct grid *g, const struct job *job)
+{
+    static const uint32_t horizon[] = {12, 16, 24, 32, 48, HORIZON_MOST};
+    int64_t best = INT64_MAX;
+    for (size_t i = 0; i < sizeof horizon / sizeof *horizon; i++) {
+        double candidates = (double)job->pairs->active * foreseen_growth(g, horizon[i]);
+        int64_t upkeep = foreseen_upkeep(job, horizon[i], (int64_t)candidates, 0);
+        if (upkeep < best) g->upkeep.horizon = horizon[i];
+        if (upkeep < best) best = upkeep;
+    }
 }
 
 /* All boxes get skins in this commit. */
@@ -245,14 +278,11 @@ int msap_renewal_is_due(const struct grid *g, const struct job *job)
     return u->is_first || (next > u->lately ? next : u->lately) * age > renewal + u->spent;
 }
 
-/* Skins would not last or, if none has been left, overlap too many others: the next ones are made for less time. A
- * trial costs little, so there will be others. */
+/* Skins would not last. A trial costs little, so there will be others. */
 void msap_trial_failed(struct grid *g)
 {
     enum { WAIT = 8 };
-    struct upkeep *u = &g->upkeep;
-    u->not_before = g->commit + WAIT;
-    if (g->renewal.is_calm) u->horizon = u->horizon / 2 >= HORIZON_SHORT ? u->horizon / 2 : HORIZON_START;
+    g->upkeep.not_before = g->commit + WAIT;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */

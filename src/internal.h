@@ -951,6 +951,7 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);
+double msap_skin_growth(const struct grid *g, uint32_t slot, uint32_t commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);
@@ -1013,6 +1014,7 @@ void msap_upkeep_begins(struct grid *g);
 int msap_renewal_is_due(const struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job);
 int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving);
+void msap_horizon_choose(struct grid *g, const struct job *job);
 void msap_trial_failed(struct grid *g);
 void msap_renewal_failed(struct grid *g);
 int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);

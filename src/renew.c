@@ -217,7 +217,8 @@ static int fill_rows(struct grid *g, struct job *job)
     r->swept = r->found.n = 0;
     msap_rows_fill(&p);
     lend_scratch(r, job);
-    return msap_rows_note_reach(&r->set, &r->rows, job->memory);
+    return msap_rows_note_reach(&r->set, &r->rows, job->memory) &&
+           msap_keys_reserve(&r->found, job->memory, g->candidates.n); /* as many as now, mostly */
 }
 
 /* ------------------------------------------------------------------- step 3 */
@@ -373,6 +374,7 @@ static void begin(struct grid *g, struct job *job, enum renewal_step first)
 /* The first step. While all boxes are pruned, it is that of a trial. */
 void msap_renewal_begin(struct grid *g, struct job *job)
 {
+    if (g->upkeep.is_first || !g->is_tracking) msap_horizon_choose(g, job);
     begin(g, job, g->is_tracking ? MAKE_SKINS : TRY_SKINS);
 }
 

@@ -323,12 +323,14 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
 
 /* ------------------------------------------------------------------ renewals */
 
+enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as foreseen */, LEAST_PART = 32 };
+
 /* Makes the skin of a box, to last as long as all others', between commits: it may be far longer than the box if
  * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a
  * step of floats that are far apart is soon made. */
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
-    enum { STEP_ASIDE = 2, STEADY_SIZES = 3 };
+    enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
     struct readable skin = {b->now, 0};
     *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
@@ -337,7 +339,7 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
     int came = b->changed_in == g->boxes->epoch - 1 && is_new(g->boxes, slot);
-    float least = m.size * (came ? 12 : 1) / 32;
+    float least = m.size * (came ? 12 : 1) / LEAST_PART;
     if (!(m.size < FAR)) return;
     reach_out(&skin.bounds, &m, horizon, aside > least ? aside : least);
     for (int k = 0; k < 3; k++) {
@@ -345,6 +347,25 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
         fat->min[k] = min - (min > ORDERED_MINUS_INF + STEP_ASIDE ? STEP_ASIDE : 0);
         fat->max[k] = max + (max < ORDERED_INF - STEP_ASIDE ? STEP_ASIDE : 0);
     }
+}
+
+/* How many times the size of the box such a skin would be, made for so many commits: on all axes in which the box
+ * is wide, each counted four times at the most. */
+double msap_skin_growth(const struct grid *g, uint32_t slot, uint32_t commits)
+{
+    enum { MOST = 4 };
+    const struct box *b = &g->boxes->at[slot];
+    struct readable skin = {b->now, 0};
+    struct motion m = motion_of(g, slot);
+    double growth = 1;
+    if (!(m.size < FAR)) return 1;
+    reach_out(&skin.bounds, &m, reach(&m, (float)commits, STEADY_SIZES), m.size / LEAST_PART);
+    for (int k = 0; k < 3; k++) {
+        double size = (double)value_of(b->now.max[k]) - (double)value_of(b->now.min[k]);
+        double wide = (double)value_of(skin.bounds.max[k]) - (double)value_of(skin.bounds.min[k]);
+        if (size > 0) growth *= wide < MOST * size ? wide / size : MOST;
+    }
+    return growth;
 }
 
 /* Whether a box that is not static leaves its skin within so many commits if it moves on as in the last one. */
