@@ -301,7 +301,7 @@ void msap_renewal_was_made(struct grid *g, const struct job *job)
     struct upkeep *u = &g->upkeep;
     int64_t vain = (int64_t)g->candidates.n - (int64_t)job->pairs->active;
     int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
-    g->gain -= renewal;
+    g->gain = u->is_first ? 0 : g->gain - renewal; /* the first skins say little about those for motion */
     u->is_first = 0;
     vain *= u->made_for - renewal_steps(job);
     if (vain > 4 * renewal) u->horizon /= 2;
