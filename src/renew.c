@@ -155,15 +155,16 @@ static double growth_of(const struct grid *g, const struct job *job)
     return growth * growth;
 }
 
-/* Whether, as far as the trial has come, skins will pay. They are in use once all steps are done. */
+/* Whether, as far as the trial has come, skins will pay. They would be in use once all steps are done. */
 static int watch_skins(struct grid *g, struct job *job)
 {
+    enum { IN_USE = TRIAL - (CHANGE_SKINS - WATCH_SKINS) };
     struct renewal *r = &g->renewal;
+    uint32_t age = g->commit - g->upkeep.since, commits = age < IN_USE ? age + (age == 0) : IN_USE;
     double outside = count_outside(g);
     if (r->growth == 0) r->growth = growth_of(g, job);
     r->is_calm = outside == 0;
-    return msap_skins_will_pay(g, job, (int64_t)((double)job->pairs->active * r->growth),
-                               outside / (TRIAL - (CHANGE_SKINS - WATCH_SKINS)));
+    return msap_skins_will_pay(g, job, (int64_t)((double)job->pairs->active * r->growth), outside / commits);
 }
 
 /* ------------------------------------------------------------------- step 2 */
