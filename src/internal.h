@@ -1017,7 +1017,6 @@ int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t can
 void msap_horizon_choose(struct grid *g, const struct job *job);
 void msap_trial_failed(struct grid *g);
 void msap_renewal_failed(struct grid *g);
-int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_candidates_touch(struct grid *g, struct job *job);
 int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);

@@ -215,12 +215,6 @@ static int move_all(struct grid *g, const struct job *job, const uint32_t *slot,
     return 1;
 }
 
-/* n boxes are put elsewhere, by the calling thread. Returns 0 without memory. */
-int msap_move_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n)
-{
-    return move_all(g, job, slot, n, NULL);
-}
-
 /* ---------------------------------------------------------------- the whole */
 
 static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
