@@ -63,7 +63,7 @@ static inline uint32_t load_bits(const char *at)
 
 #if defined(__SSE2__)
 
-typedef __m128i lanes;
+typedef __m128i lanes, gaps;
 
 static inline lanes load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
 
@@ -89,6 +89,17 @@ static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *ot
     _mm_storeu_si128((__m128i *)(void *)(to + 2), _mm_unpackhi_epi32(low, high));
 }
 
+/* a[i] << 32 | b[i], for four; with the upper bit of the lower half where `marked` has a bit. */
+static inline void marked_pairs_of_four(uint64_t *to, const uint32_t *a, const uint32_t *b, uint32_t marked)
+{
+    lanes bit = _mm_set_epi32(8, 4, 2, 1), are = _mm_and_si128(_mm_set1_epi32((int32_t)marked), bit);
+    lanes marks = _mm_slli_epi32(_mm_cmpeq_epi32(are, bit), 31);
+    lanes low = _mm_or_si128(_mm_loadu_si128((const __m128i *)(const void *)b), marks);
+    lanes high = _mm_loadu_si128((const __m128i *)(const void *)a);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi32(low, high));
+    _mm_storeu_si128((__m128i *)(void *)(to + 2), _mm_unpackhi_epi32(low, high));
+}
+
 /* a where the bits of `which` are set, else b. */
 static inline lanes choose_lanes(lanes which, lanes a, lanes b)
 {
@@ -110,6 +121,29 @@ static inline int none_above(lanes a, lanes b, lanes c, lanes d)
 static inline int overlap(const struct bounds *a, const struct bounds *b)
 {
     return none_above(load_bounds(a->min), load_bounds(b->max), load_bounds(b->min), load_bounds(a->max));
+}
+
+/* On which of the first three axes, and on the fourth by chance, bounds are apart. */
+static inline gaps gaps_of(const struct bounds *a, const struct bounds *b)
+{
+    return _mm_or_si128(_mm_cmpgt_epi32(load_bounds(a->min), load_bounds(b->max)),
+                        _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
+}
+
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. */
+static inline uint32_t overlaps_of(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3)
+{
+    lanes bytes = _mm_packs_epi16(_mm_packs_epi32(gaps0, gaps1), _mm_packs_epi32(gaps2, gaps3));
+    lanes none = _mm_cmpeq_epi32(_mm_and_si128(bytes, _mm_set1_epi32(0xffffff)), _mm_setzero_si128());
+    return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(none));
+}
+
+/* The upper bits of the lower halves of four. */
+static inline uint32_t marks_of_four(const uint64_t *at)
+{
+    __m128 low = _mm_loadu_ps((const float *)(const void *)at),
+           high = _mm_loadu_ps((const float *)(const void *)(at + 2));
+    return (uint32_t)_mm_movemask_ps(_mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0)));
 }
 
 static inline int contains(const struct bounds *outer, const struct bounds *inner)
@@ -177,6 +211,12 @@ static inline void pairs_of_four(uint64_t *to, uint32_t self, const uint32_t *ot
     for (int i = 0; i < 4; i++) to[i] = (uint64_t)self << 32 | other[i];
 }
 
+/* a[i] << 32 | b[i], for four; with the upper bit of the lower half where `marked` has a bit. */
+static inline void marked_pairs_of_four(uint64_t *to, const uint32_t *a, const uint32_t *b, uint32_t marked)
+{
+    for (int i = 0; i < 4; i++) to[i] = (uint64_t)a[i] << 32 | b[i] | (marked >> i & 1u) << 31;
+}
+
 typedef struct {
     uint32_t at[3];
 } lanes;
@@ -191,6 +231,24 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
 {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
+}
+
+typedef int gaps;
+
+/* Whether bounds are apart. */
+static inline gaps gaps_of(const struct bounds *a, const struct bounds *b) { return !overlap(a, b); }
+
+/* Which of four pairs of bounds overlap: a bit each. */
+static inline uint32_t overlaps_of(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3)
+{
+    return (uint32_t)((!gaps0) | (!gaps1) << 1 | (!gaps2) << 2 | (!gaps3) << 3);
+}
+
+/* The upper bits of the lower halves of four. */
+static inline uint32_t marks_of_four(const uint64_t *at)
+{
+    return (uint32_t)((at[0] >> 31 & 1) | (at[1] >> 31 & 1) << 1 | (at[2] >> 31 & 1) << 2 |
+                      (at[3] >> 31 & 1) << 3);
 }
 
 static inline int contains(const struct bounds *outer, const struct bounds *inner)

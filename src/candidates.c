@@ -4,9 +4,9 @@
  * SPDX-License-Identifier: MIT
  *
  * The candidates are exactly the pairs of boxes in the grid, not both static, whose fat bounds overlap, each
- * once and in any order; its entry tells whether it was a pair at the last commit. (Between a renewal and the next
- * commit none knows yet, and some are void.) So no box needs a list of its neighbours, and a commit goes through
- * one array:
+ * once and in any order; its entry tells whether it was a pair at the last commit. (Between a renewal in steps
+ * and the next commit none knows yet, and some are void.) So no box needs a list of its neighbours, and a
+ * commit goes through one array:
  *
  * 1. All candidates are touched. Those of a box that left its skin are dropped.
  * 2. Boxes that left get new skins and are put into cells (move.c).
@@ -36,25 +36,52 @@ struct touching {
     size_t from;
 };
 
-/* Settles candidates first ... last - 1 from there on; names those that changed and those with a box that left. */
+/* Settles a candidate that changed, or that a box of it left, and names it. */
+static void touch_one(const struct grid *g, struct worker *w, size_t i)
+{
+    const struct box *boxes = g->boxes->at;
+    uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i],
+             b = near_slot(entry);
+    const struct box *p = &boxes[a], *q = &boxes[b];
+    int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = (p->flags | q->flags) & BOX_LEFT;
+    if ((is == was) & !left) return;
+    msap_worker_put(w, left ? i | VACANT : i);
+    if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
+    if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
+}
+
+/* Which of four candidates are not what they were, a bit each; all, if a box of them left. */
+static inline uint32_t changed_among(const struct box *boxes, const uint64_t *c)
+{
+    const struct box *p0 = &boxes[c[0] >> 32], *q0 = &boxes[near_slot((uint32_t)c[0])];
+    const struct box *p1 = &boxes[c[1] >> 32], *q1 = &boxes[near_slot((uint32_t)c[1])];
+    const struct box *p2 = &boxes[c[2] >> 32], *q2 = &boxes[near_slot((uint32_t)c[2])];
+    const struct box *p3 = &boxes[c[3] >> 32], *q3 = &boxes[near_slot((uint32_t)c[3])];
+    uint32_t are = overlaps_of(gaps_of(&p0->now, &q0->now), gaps_of(&p1->now, &q1->now),
+                               gaps_of(&p2->now, &q2->now), gaps_of(&p3->now, &q3->now));
+    uint32_t flags = (uint32_t)(p0->flags | q0->flags | p1->flags | q1->flags) |
+                     (uint32_t)(p2->flags | q2->flags | p3->flags | q3->flags);
+    return flags & BOX_LEFT ? 15 : are ^ marks_of_four(c);
+}
+
+/* Settles candidates first ... last - 1 from there on; names those that changed and those with a box that
+ * left. Nearly all are as they were: so they are looked at by fours. */
 static void touch(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct touching *t = context;
-    const struct box *boxes = t->grid->boxes->at;
-    const uint64_t *c = t->grid->candidates.at;
-    int are_many = t->grid->boxes->used > MANY_BOXES;
-    size_t end = t->from + last;
+    const struct grid *g = t->grid;
+    const struct box *boxes = g->boxes->at;
+    const uint64_t *c = g->candidates.at;
+    int are_many = g->boxes->used > MANY_BOXES;
+    size_t i = t->from + first, end = t->from + last;
     w->settler.touched += last - first;
-    for (size_t i = t->from + first; i < end; i++) {
-        uint32_t a = (uint32_t)(c[i] >> 32), entry = (uint32_t)c[i], b = near_slot(entry);
-        const struct box *p = &boxes[a], *q = &boxes[b];
-        if (are_many) fetch_candidate(boxes, c, i, end);
-        int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = (p->flags | q->flags) & BOX_LEFT;
-        if ((is == was) & !left) continue;
-        msap_worker_put(w, left ? i | VACANT : i);
-        if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
-        if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
+    for (; end - i >= 4; i += 4) {
+        for (size_t k = 0; are_many && k < 4; k++) fetch_candidate(boxes, c, i + k, end);
+        uint32_t changed = changed_among(boxes, c + i);
+        for (size_t k = i; changed > 0; k++, changed >>= 1)
+            if (changed & 1) touch_one(g, w, k);
     }
+    for (; i < end; i++) touch_one(g, w, i);
 }
 
 /* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
