@@ -1,7 +1,7 @@
 /* Choosing how a Multi-SAP's commit goes: boxes put elsewhere one by one (track.c), all
  * cells and lists made anew (rebuild.c), or all boxes pruned and nothing kept (jump.c) but
  * the rows, in which they rest if few of them move then (rest.c); and whether all get new
- * skins after it (renew.c).
+ * skins in it or after it (renew.c).
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
@@ -24,12 +24,16 @@
  * that is done if cells and lists have paid since they were made and will, or else all is
  * pruned.
  *
- * Renewals take the place of cells in worlds of 256 boxes or more, unless many boxes are wide. A
- * world is put into skins when it is loaded, before any motion is known, and gets others as soon
- * as it is. From then on skins are renewed when boxes are about to leave them faster than is worth
- * it, which is told from how some of them move. When skins do not last, all is pruned for a while,
- * and for twice as long after the next time; then some boxes get skins for a trial, and if few
- * leave them, all do. When few boxes move, they rest as they are.
+ * Renewals take the place of cells in worlds of 256 boxes or more, unless many boxes are wide. A world is
+ * put into skins when it is loaded, before any motion is known. From then on skins are renewed when one
+ * more commit with the present ones would cost more than they have cost in each so far, their renewal
+ * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
+ * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
+ * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
+ * commit in which that is due. When that would be dearer than to prune all in every commit, or take more
+ * than twice as long as to prune them, all is pruned for a while, and for twice as long after the next
+ * time. Then some boxes get skins for a trial, and if few leave them, all do. When few boxes move, they
+ * rest as they are.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -42,15 +46,15 @@ enum {
     TRACK_NEIGHBOUR = 10,   /* and each of its neighbours, */
     TRACK_SEARCH = 8,       /* and, of so many, each in the list of each other */
     TRACK_LEAVE = 90,       /* a box that leaves */
-    STRAY_MOVE = 130,       /* a box in a skin that is put elsewhere, */
-    STRAY_CANDIDATE = 11,   /* and each of its candidates */
-    JUMP_BOX = 17,          /* a box when all are pruned, */
-    JUMP_PAIR = 3,          /* and a pair */
+    STRAY_MOVE = 220,       /* a box in a skin that is put elsewhere, */
+    STRAY_CANDIDATE = 12,   /* and each of its candidates */
+    JUMP_BOX = 21,          /* a box when all are pruned, */
+    JUMP_PAIR = 4,          /* and a pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
-    CANDIDATE = 5,          /* a candidate, in quarters, */
-    RENEW_BOX = 32,         /* a box when all get new skins, */
-    RENEW_CANDIDATE = 3     /* and a candidate */
+    CANDIDATE = 1,          /* a candidate, */
+    RENEW_BOX = 40,         /* a box when all get new skins, */
+    RENEW_CANDIDATE = 4     /* and a candidate */
 };
 
 /* On recorded scenes neighbours are one and a half to five times as many as pairs, mostly twice. */
@@ -138,10 +142,17 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 
 /* ----------------------------------------------------------------- renewals */
 
-/* A step after each commit. */
-static int64_t renewal_steps(const struct job *job)
+/* Whether skins for so many commits are renewed in steps. Where they last less long, in one commit. */
+static int is_in_steps(uint32_t horizon)
 {
-    return CHANGE_SKINS - WATCH_SKINS - 1 + (int64_t)sweep_steps(job);
+    enum { LONG = 16 };
+    return horizon >= LONG;
+}
+
+/* A step after each commit. */
+static int64_t renewal_steps(const struct job *job, uint32_t horizon)
+{
+    return is_in_steps(horizon) ? CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job) : 0;
 }
 
 /* How many candidates there are or, while there are no skins, would be at least. */
@@ -150,13 +161,19 @@ static int64_t count_candidates(const struct grid *g, const struct job *job)
     return g->in_skins ? (int64_t)g->candidates.n : (int64_t)job->pairs->active * 5 / 4;
 }
 
-static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
+/* What it costs to give all boxes new skins in one commit, as dear as to prune them, and what in steps
+ * between others. */
+static int64_t cost_at_once(const struct job *job, int64_t candidates)
 {
-    int64_t tests = RENEW_BOX * (int64_t)job->boxes->live + RENEW_CANDIDATE * candidates;
-    return tests * dearness(job->boxes->live) / ONE;
+    return RENEW_BOX * (int64_t)job->boxes->live + RENEW_CANDIDATE * candidates;
 }
 
-static int64_t cost_of_candidates(int64_t n) { return n * CANDIDATE / 4; }
+static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
+{
+    return cost_at_once(job, candidates) * dearness(job->boxes->live) / ONE;
+}
+
+static int64_t cost_of_candidates(int64_t n) { return n * CANDIDATE; }
 
 /* Whether skins may ever be renewed together. Few boxes are not worth it. */
 static int can_renew(const struct grid *g, const struct job *job)
@@ -188,56 +205,70 @@ static int do_many_move(const struct box_table *t)
     return n * step * SHARE >= t->live;
 }
 
-/* What a commit costs if skins are made for so many commits and renewed over and over, there are so many
- * candidates, and so many boxes leave their skins in each commit. */
-static int64_t foreseen_upkeep(const struct job *job, uint32_t horizon, int64_t candidates, double leaving)
-{
-    int64_t commits = (int64_t)horizon - renewal_steps(job);
-    return cost_of_candidates(candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
-           (int64_t)(leaving * (double)cost_of_stray(job, candidates));
-}
+/* What skins would be if made for so many commits: by those that some boxes would get. */
+struct foresight {
+    double growth;  /* so many times as many candidates as pairs there would be where boxes lie at random */
+    double leaving; /* such a part of all boxes would leave before, in each commit */
+};
 
-/* Whether that is better than to prune all, by more than may be chance. */
-int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving)
-{
-    return foreseen_upkeep(job, g->upkeep.horizon, candidates, leaving) < costs_of(g, job).jump * 7 / 8;
-}
-
-/* How many times as many candidates as pairs there would be where boxes lie at random, by the skins that some
- * would get. */
-static double foreseen_growth(const struct grid *g, uint32_t commits)
+static struct foresight foresee(const struct grid *g, uint32_t horizon)
 {
     enum { SAMPLES = 64 };
     const struct box_table *t = g->boxes;
+    struct foresight f = {0, 0};
     size_t step = t->used / SAMPLES + 1, n = 0;
-    double growth = 0;
     for (uint32_t slot = 0; slot < t->used; slot += (uint32_t)step) {
+        float commits = (float)horizon;
         if (!(t->at[slot].flags & BOX_LIVE)) continue;
-        growth += msap_skin_growth(g, slot, commits);
+        f.growth += msap_skin_growth(g, slot, &commits);
+        if (commits < (float)horizon) f.leaving += commits < 1 ? 1 : 1 / (double)commits;
         n++;
     }
-    return n > 0 ? growth / (double)n : 1;
+    f.growth = n > 0 ? f.growth / (double)n : 1;
+    f.leaving = n > 0 ? f.leaving / (double)n : 0;
+    return f;
 }
 
-/* Before skins are made for motion for the first time: for how many commits it is best. */
-void msap_horizon_choose(struct grid *g, const struct job *job)
+/* What a commit costs if skins are made for so many commits and renewed over and over. */
+static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, uint32_t horizon)
 {
-    static const uint32_t horizon[] = {12, 16, 24, 32, 48, HORIZON_MOST};
+    struct foresight f = foresee(g, horizon);
+    int64_t commits = (int64_t)horizon - renewal_steps(job, horizon);
+    int64_t candidates = (int64_t)((double)job->pairs->active * f.growth);
+    return cost_of_candidates(candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+           (int64_t)(f.leaving * (double)job->boxes->live * (double)cost_of_stray(job, candidates));
+}
+
+/* Before skins are made for motion for the first time: chooses for how many commits, `most` or fewer, it is best.
+ * Returns what each of them would cost. */
+static int64_t choose_horizon(struct grid *g, const struct job *job, uint32_t most)
+{
+    static const uint32_t horizon[] = {3, 4, 6, 8, 12, 16, 24, 32, 48, HORIZON_MOST};
     int64_t best = INT64_MAX;
-    for (size_t i = 0; i < sizeof horizon / sizeof *horizon; i++) {
-        double candidates = (double)job->pairs->active * foreseen_growth(g, horizon[i]);
-        int64_t upkeep = foreseen_upkeep(job, horizon[i], (int64_t)candidates, 0);
+    for (size_t i = 0; i < sizeof horizon / sizeof *horizon && horizon[i] <= most; i++) {
+        int64_t upkeep = foreseen_upkeep(g, job, horizon[i]);
         if (upkeep < best) g->upkeep.horizon = horizon[i];
         if (upkeep < best) best = upkeep;
     }
+    return best;
 }
 
-/* All boxes get skins in this commit. */
+/* Skins are made in this commit. */
 void msap_upkeep_begins(struct grid *g)
 {
-    g->upkeep.since = g->commit;
-    g->upkeep.made_for = g->upkeep.horizon;
-    g->upkeep.spent = 0;
+    struct upkeep *u = &g->upkeep;
+    u->horizon = u->horizon < HORIZON_SHORT  ? HORIZON_SHORT
+                 : u->horizon > HORIZON_MOST ? HORIZON_MOST
+                                             : u->horizon;
+    u->begun = g->commit;
+    u->made_for = u->horizon;
+}
+
+/* They serve from now on. */
+void msap_upkeep_starts(struct grid *g)
+{
+    g->upkeep.since = g->upkeep.begun;
+    g->upkeep.spent = g->upkeep.lately = 0;
 }
 
 /* n boxes are put elsewhere in this commit, each of which costs so much. Returns what they cost. */
@@ -262,27 +293,23 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
     return n * step; /* each stands for so many */
 }
 
-/* After a commit that tracked boxes: whether to renew all skins. That is so when one more commit with the present
- * ones would cost more than their upkeep has cost in each since they were made, renewal included; and
+/* After a commit that tracked boxes: whether to renew all skins in steps. That is so when one more commit with the
+ * present ones would cost more than their upkeep has cost in each since they were made, renewal included; and
  * when most boxes move but each still has cells of its own, if that has cost more than renewals would. */
-int msap_renewal_is_due(const struct grid *g, const struct job *job)
+int msap_renewal_is_due(struct grid *g, const struct job *job)
 {
     enum { SELDOM = 16 };
-    const struct upkeep *u = &g->upkeep;
-    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job, count_candidates(g, job));
+    struct upkeep *u = &g->upkeep;
     if (!may_renew(g, job) || g->quiet > 0) return 0;
-    if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - renewal_steps(job)) > renewal * age;
-    if (!g->in_skins) return 0;
-    int64_t steps = renewal_steps(job),
-            next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
-    return u->is_first || (next > u->lately ? next : u->lately) * age > renewal + u->spent;
-}
-
-/* Skins would not last. A trial costs little, so there will be others. */
-void msap_trial_failed(struct grid *g)
-{
-    enum { WAIT = 8 };
-    g->upkeep.not_before = g->commit + WAIT;
+    if (g->in_skins && u->is_first) choose_horizon(g, job, HORIZON_MOST);
+    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job, count_candidates(g, job)),
+            steps = renewal_steps(job, u->horizon);
+    if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - steps) > renewal * age;
+    if (!g->in_skins || steps == 0) return 0;
+    int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
+    int is_over = u->lately * age > renewal + u->spent; /* not only soon */
+    if (is_over && !u->is_first && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
+    return u->is_first || is_over || next * age > renewal + u->spent;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
@@ -296,20 +323,18 @@ void msap_renewal_failed(struct grid *g)
 
 /* All boxes have got new skins. The longer these are made for, the more candidates are tested in vain: as many as
  * a renewal costs is best. */
-void msap_renewal_was_made(struct grid *g, const struct job *job)
+void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once)
 {
     struct upkeep *u = &g->upkeep;
     int64_t vain = (int64_t)g->candidates.n - (int64_t)job->pairs->active;
     int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
-    g->gain = u->is_first ? 0 : g->gain - renewal; /* the first skins say little about those for motion */
+    msap_upkeep_starts(g);
+    if (u->is_first && is_at_once) return; /* the first skins say little about those for motion */
     u->is_first = 0;
-    vain *= u->made_for - renewal_steps(job);
+    vain *= u->made_for - renewal_steps(job, u->made_for);
     if (vain > 4 * renewal) u->horizon /= 2;
     else if (vain > renewal) u->horizon -= u->horizon / 4;
-    else u->horizon += u->horizon / 2;
-    u->horizon = u->horizon < HORIZON_SHORT  ? HORIZON_SHORT
-                 : u->horizon > HORIZON_MOST ? HORIZON_MOST
-                                             : u->horizon;
+    else if (!is_at_once) u->horizon += u->horizon / 2;
 }
 
 /* -------------------------------------------------------------------- choosing */
@@ -317,13 +342,21 @@ void msap_renewal_was_made(struct grid *g, const struct job *job)
 /* While nothing is kept. */
 static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
 {
+    enum { WAIT = 8, TRIAL = 3 };
+    struct upkeep *u = &g->upkeep;
     if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
-    g->upkeep.is_first = 0;
+    u->is_first = 0;
     if (can_renew(g, job)) {
-        int64_t candidates = count_candidates(g, job);
-        g->gain = cost_of_renewal(job, candidates); /* as if so much had been saved: skins are not given up soon */
-        g->will_renew =
-            may_renew(g, job) && msap_skins_will_pay(g, job, candidates, 0) && do_many_move(job->boxes);
+        g->gain = 0;
+        if (!may_renew(g, job) || !do_many_move(job->boxes)) return JUMP_OR_REBUILD;
+        if (g->commit - u->tried > TRIAL) {
+            u->tried = g->commit + 1;
+            g->renewal.next = TRY_SKINS;
+        }
+        if (g->commit + 1 - u->tried < TRIAL) return JUMP_OR_REBUILD;
+        int64_t leaving = msap_trial_count(g) * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
+        if (choose_horizon(g, job, HORIZON_TRIAL) + leaving < c->jump * 7 / 8) return JUMP_INTO_SKINS;
+        u->not_before = g->commit + WAIT;
         return JUMP_OR_REBUILD;
     }
     g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
@@ -332,24 +365,30 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
 }
 
-/* While boxes rest in their skins. */
+/* While boxes rest in their skins. All get new ones in this commit if that costs less than to go on with
+ * the present ones, or these have come to cost more in a commit than they have in each so far, renewal
+ * included; unless to prune all has been cheaper all along: then nothing is kept for a while. */
 static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c)
 {
-    enum { LONG = 4 };
-    int has_paid = g->gain > 0, is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
+    enum { LONG = 4, MOST = 2 /* times as long as to prune all it may take */ };
+    struct upkeep *u = &g->upkeep;
+    int is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
     int are_all_live = job->boxes->removed.head == NONE; /* so that lists can be made of them */
     g->quiet = is_quiet ? g->quiet + 1 : 0;
-    if (g->quiet > (g->upkeep.is_first ? 0 : LONG) && are_all_live) return REST;
-    int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
-    g->gain += c->jump - c->track;
-    if (g->gain > 2 * renewal) g->gain = 2 * renewal;
-    int is_upheaval = c->track > c->jump + (renewal < 2 * c->jump ? renewal : 2 * c->jump);
-    if (!is_upheaval && g->gain > -renewal) return TRACK;
-    if (has_paid) g->upkeep.wait = 0;
-    else if (!g->upkeep.is_first) msap_renewal_failed(g);
-    g->will_go_on = g->upkeep.is_first; /* with the skins to come, which are for motion */
-    g->gain = 0;
-    return JUMP_OR_REBUILD;
+    if (g->quiet > (u->is_first ? 0 : LONG) && are_all_live) return REST;
+    int64_t age = g->commit + 1 - u->since; /* they are in their age-th commit, the first of which made them */
+    int64_t tests = cost_of_candidates((int64_t)g->candidates.n), moves = c->track - tests;
+    int64_t renewal = cost_at_once(job, (int64_t)g->candidates.n);
+    int64_t cost = renewal + u->spent - moves + tests * (age - 1);
+    int is_short = !is_in_steps(u->is_first ? u->horizon : u->made_for);
+    if (is_short ? c->track <= c->jump && c->track * age <= cost : c->track <= renewal) return TRACK;
+    int has_paid = cost < c->jump * age && renewal < MOST * c->jump;
+    if (u->is_first) has_paid = choose_horizon(g, job, HORIZON_MOST) < c->jump * 7 / 8;
+    else u->horizon = (uint32_t)age;
+    u->is_first = 0;
+    if (has_paid) u->wait = 0;
+    else msap_renewal_failed(g);
+    return has_paid && may_renew(g, job) ? JUMP_INTO_SKINS : JUMP_OR_REBUILD;
 }
 
 /* While cells and lists are kept. `early` are the boxes that left a skin made for their motion:
@@ -370,8 +409,8 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
 /* A world that is not mostly static is loaded. */
 static enum way load(struct grid *g, const struct job *job)
 {
-    g->will_renew = g->upkeep.is_first = may_renew(g, job);
-    return g->will_renew ? JUMP_OR_REBUILD : REBUILD;
+    g->upkeep.is_first = may_renew(g, job);
+    return g->upkeep.is_first ? JUMP_INTO_SKINS : REBUILD;
 }
 
 /* The way for AUTO, if the first `misplaced` of the boxes that left must be put elsewhere. */

@@ -87,6 +87,7 @@ static void give_up(msap_world *w)
 {
     w->stale = 1;
     msap_crew_trim(&w->crew, &w->memory, w->boxes.used, w->pairs.most_active);
+    msap_renewal_free(&w->grid.renewal, &w->memory);
     msap_memory_resize(&w->memory, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
 }
 
@@ -96,7 +97,7 @@ static msap_status apply_changes(msap_world *w)
     struct settler *s = &w->crew.worker[0].settler;
     forget_events(s);
     w->grid.moves = 0;
-    w->grid.will_know_pairs = w->grid.will_rest = w->grid.will_renew = w->grid.will_go_on = 0;
+    w->grid.will_know_pairs = w->grid.will_rest = 0;
     int has_changed = w->boxes.n_changed > 0;
     if (has_changed) {
         msap_status status = find_events(w);

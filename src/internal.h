@@ -90,6 +90,13 @@ struct keys {
     size_t n, room;
 };
 
+static inline void keys_exchange(struct keys *a, struct keys *b)
+{
+    const struct keys c = *a;
+    *a = *b;
+    *b = c;
+}
+
 int msap_keys_reserve(struct keys *k, struct memory *m, size_t need);
 void msap_keys_free(struct keys *k, struct memory *m);
 void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
@@ -135,8 +142,9 @@ enum {
 
 enum { NO_LEVEL = 255 };
 
-/* Commits that skins are made for: a box's first one, and the first ones of all boxes together. */
-enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_SHORT = 10, HORIZON_MOST = 64 };
+/* Commits that skins are made for: a box's first one, and the first ones of all boxes together; the fewest
+ * that all are made for, and the most, at first where all boxes are pruned and at all. */
+enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_SHORT = 3, HORIZON_TRIAL = 8, HORIZON_MOST = 64 };
 
 /* A slot of the box table, and where the box is in the grid: one cache line. A box that
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
@@ -819,7 +827,6 @@ struct sweeps msap_sweeps_for(uint32_t simd);
 enum renewal_step {
     NO_RENEWAL,
     TRY_SKINS,
-    WATCH_SKINS,
     MAKE_SKINS,
     MAKE_MORE_SKINS,
     COUNT_ROWS,
@@ -829,9 +836,7 @@ enum renewal_step {
 };
 struct renewal {
     enum renewal_step next;
-    int is_doubtful;    /* 1: all have left their first skins since it began: these may not last either */
-    int is_calm;        /* 1: no skin that was watched has been left; */
-    double growth;      /* so many times as many candidates as pairs there would be; 0: it was not counted */
+    int is_told;        /* 1: the candidates that are found know what they are */
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
@@ -839,18 +844,21 @@ struct renewal {
     struct scratch words; /* from one step to the next: of a struct pruning, */
     uint64_t *order;      /* the same, */
     struct row_range *range;
-    size_t n, entries;
+    uint32_t *wide;
+    size_t n, n_wide, entries;
     size_t swept;      /* entries that were; */
     struct keys found; /* candidates of these */
 };
 
 /* What skins cost (choose.c), in tests, and how long they last. */
 struct upkeep {
-    uint32_t since;      /* the commit in which all boxes got skins, of their own or with all others */
+    uint32_t since;      /* the commit in which the present skins were made, or cells and lists, */
+    uint32_t begun;      /* and that in which those to come were */
     int is_first;        /* 1: they are the first ones, for no motion */
     uint32_t made_for;   /* so many commits */
     uint32_t horizon;    /* and as many the next ones */
     uint32_t not_before; /* the commit from which on there may be a renewal */
+    uint32_t tried;      /* the commit after which skins were tried; 0: none */
     uint32_t wait;       /* for how many commits there was none when it had not paid last; 0: it has */
     int64_t move;        /* what it costs to put a box elsewhere, */
     int64_t lately;      /* those that were in each of the last few commits, */
@@ -893,8 +901,6 @@ struct grid {
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
-    int will_renew;      /* the same: all boxes get skins and rest in them */
-    int will_go_on;      /* the same: if all are pruned, the renewal that has begun goes on */
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */
 };
 
@@ -951,8 +957,10 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);
-double msap_skin_growth(const struct grid *g, uint32_t slot, uint32_t commits);
+double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
+void msap_skin_was_left(struct box *b);
+void msap_skin_was_right(const struct grid *g, uint32_t slot);
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);
 int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
@@ -993,6 +1001,7 @@ enum { MOVES_AT_ONCE = 32 }; /* boxes whose cells are still in the cache when th
 
 int msap_move_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
                   uint8_t *state, size_t n);
+int msap_enter_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_place_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n);
 int msap_finish_move(struct grid *g, const struct job *job, uint32_t slot);
 int msap_is_near(const void *grid, uint32_t a, uint32_t b);
@@ -1001,21 +1010,28 @@ uint8_t *msap_share_moves(struct grid *g, const struct job *job, uint32_t *slot,
 
 /* ------ choose.c, rebuild.c, jump.c, compare.c, track.c, touch.c, grid_check.c */
 
-enum way { TRACK, REST, REBUILD, JUMP_OR_TRACK, JUMP_OR_REBUILD /* where a scene is not suited */ };
+enum way {
+    TRACK,
+    REST,
+    REBUILD,
+    JUMP_OR_TRACK, /* where a scene is not suited */
+    JUMP_OR_REBUILD,
+    JUMP_INTO_SKINS
+};
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
+int msap_grid_jump_into_skins(struct grid *g, struct job *job);
 void msap_renewal_begin(struct grid *g, struct job *job);
 void msap_renewal_go_on(struct grid *g, struct job *job);
-void msap_renewal_at_once(struct grid *g, struct job *job);
+int64_t msap_trial_count(const struct grid *g);
+int msap_renewal_at_once(struct grid *g, struct job *job);
 void msap_renewal_free(struct renewal *r, struct memory *m);
 void msap_upkeep_begins(struct grid *g);
-int msap_renewal_is_due(const struct grid *g, const struct job *job);
-void msap_renewal_was_made(struct grid *g, const struct job *job);
-int msap_skins_will_pay(const struct grid *g, const struct job *job, int64_t candidates, double leaving);
-void msap_horizon_choose(struct grid *g, const struct job *job);
-void msap_trial_failed(struct grid *g);
+void msap_upkeep_starts(struct grid *g);
+int msap_renewal_is_due(struct grid *g, const struct job *job);
+void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once);
 void msap_renewal_failed(struct grid *g);
 int msap_candidates_touch(struct grid *g, struct job *job);
 int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n);

@@ -8,6 +8,9 @@
  * completely (paper I.4c). Then either the pairs found and those known from before are
  * settled, or, where most pairs are others each time, both are compared (compare.c).
  *
+ * In the same way boxes are pruned with skins that they just got (renew.c): then what is found are
+ * candidates, which are kept, and those of them that are pairs are settled.
+ *
  * 1. The boxes are sorted into rows (rows.c).
  * 2. Each row is swept: from each box over those behind it until one starts after its
  *    end, up to sixteen at a time. Two boxes that meet in several rows are taken where, on both
@@ -22,17 +25,36 @@ struct jump {
     struct job *job;
     struct pruning pruning;
     int is_comparing; /* the pairs found are kept instead of settled */
+    int has_skins;    /* the rows hold skins, and what is found are candidates, which are kept */
 };
 
-/* Pairs of a box that is new are new, wherever it was before. */
+/* Settles a pair that overlaps. Pairs of a box that is new are new, wherever it was before. */
+static void settle_one(struct settler *s, uint32_t a, uint32_t b)
+{
+    if ((a | b) & ROW_NEW) msap_settle_change(s, pair_key(row_slot(a), row_slot(b)), 1);
+    else settle_found(s, a, b);
+}
+
+/* Whether four pairs overlapped before, and no box of them is new. */
+static inline int are_known(const struct past *past, const uint32_t *a, const uint32_t *b)
+{
+    if ((a[0] | b[0] | a[1] | b[1] | a[2] | b[2] | a[3] | b[3]) & ROW_NEW) return 0;
+    return overlaps_of(gaps_of(&past[a[0]].before, &past[b[0]].before),
+                       gaps_of(&past[a[1]].before, &past[b[1]].before),
+                       gaps_of(&past[a[2]].before, &past[b[2]].before),
+                       gaps_of(&past[a[3]].before, &past[b[3]].before)) == 15;
+}
+
+/* Settles pairs, of which nearly all are known: so they are looked at by fours. */
 static void settle_taken(struct settler *s, const struct pair_buffer *taken)
 {
+    size_t i = 0;
     s->touched += taken->n;
-    for (size_t i = 0; i < taken->n; i++) {
-        uint32_t a = taken->a[i], b = taken->b[i];
-        if ((a | b) & ROW_NEW) msap_settle_change(s, pair_key(row_slot(a), row_slot(b)), 1);
-        else settle_found(s, a, b);
+    for (; taken->n - i >= 4; i += 4) {
+        if (are_known(s->boxes->past, taken->a + i, taken->b + i)) continue;
+        for (size_t k = i; k < i + 4; k++) settle_one(s, taken->a[k], taken->b[k]);
     }
+    for (; i < taken->n; i++) settle_one(s, taken->a[i], taken->b[i]);
 }
 
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
@@ -43,10 +65,52 @@ static void keep_taken(struct worker *w, const struct pair_buffer *taken)
     w->pairs.n += taken->n;
 }
 
+static inline gaps gaps_in(const struct box *box, const struct pair_buffer *taken, size_t i)
+{
+    return gaps_of(&box[taken->a[i]].now, &box[taken->b[i]].now);
+}
+
+/* Puts the i-th of the candidates behind the pairs, where it stays if `is` is 1. */
+static inline void put_if(struct pair_buffer *pairs, const struct pair_buffer *taken, size_t i, uint32_t is)
+{
+    pairs->a[pairs->n] = taken->a[i];
+    pairs->b[pairs->n] = taken->b[i];
+    pairs->n += is;
+}
+
+/* Keeps candidates, by fours, and settles those that are pairs. */
+static void keep_candidates(struct worker *w, const struct pair_buffer *taken)
+{
+    const struct box *box = w->settler.boxes->at;
+    struct pair_buffer pairs;
+    size_t i = 0;
+    if (taken->n == 0 || !msap_worker_has_room(w, taken->n, 0)) return;
+    uint64_t *out = w->pairs.at + w->pairs.n;
+    pairs.n = 0;
+    for (; taken->n - i >= 4; i += 4) {
+        uint32_t are = overlaps_of(gaps_in(box, taken, i), gaps_in(box, taken, i + 1), gaps_in(box, taken, i + 2),
+                                   gaps_in(box, taken, i + 3));
+        marked_pairs_of_four(out + i, taken->a + i, taken->b + i, are);
+        put_if(&pairs, taken, i, are & 1);
+        put_if(&pairs, taken, i + 1, are >> 1 & 1);
+        put_if(&pairs, taken, i + 2, are >> 2 & 1);
+        put_if(&pairs, taken, i + 3, are >> 3);
+    }
+    for (; i < taken->n; i++) {
+        uint32_t is = (uint32_t)overlap(&box[taken->a[i]].now, &box[taken->b[i]].now);
+        out[i] = (uint64_t)taken->a[i] << 32 | taken->b[i] | is << 31;
+        put_if(&pairs, taken, i, is);
+    }
+    settle_taken(&w->settler, &pairs);
+    w->settler.touched += taken->n - pairs.n;
+    w->pairs.n += taken->n;
+}
+
 static void take(const void *context, struct worker *w, const struct pair_buffer *found)
 {
     const struct jump *j = context;
-    if (j->is_comparing) keep_taken(w, found);
+    if (j->has_skins) keep_candidates(w, found);
+    else if (j->is_comparing) keep_taken(w, found);
     else settle_taken(&w->settler, found);
 }
 
@@ -54,26 +118,38 @@ static void take(const void *context, struct worker *w, const struct pair_buffer
 static void sweep_rows(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    msap_rows_sweep(&j->grid->row_set, &j->grid->rows, j->grid->sweeps.row, first, last, take, j, w);
+    msap_rows_sweep(j->pruning.set, j->pruning.rows, j->grid->sweeps.row, first, last, take, j, w);
 }
 
-/* Takes a pair that overlaps. */
-static inline void take_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
+/* Takes a pair, or candidate, of which one box is wide. */
+static void take_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
 {
+    const struct box *box = j->job->boxes->at;
+    int is = !j->has_skins || overlap(&box[a].now, &box[b].now);
+    if (j->has_skins) msap_worker_put(w, (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0));
     if (j->is_comparing) msap_worker_put(w, pair_key(a, b));
-    else settle_found(&w->settler, a, b);
+    else if (is) settle_found(&w->settler, a, b);
 }
 
-/* Asks a row for a wide box. */
+/* The bounds by which boxes are pruned. */
+static const struct bounds *bounds_of(const struct jump *j, uint32_t slot)
+{
+    return j->has_skins ? &j->grid->renewal.fat[slot] : &j->job->boxes->at[slot].now;
+}
+
+/* Asks a row for a wide box. Some boxes are found in two rows. */
 static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
 {
     const struct jump *j = context;
-    const struct grid *g = j->grid;
+    const struct row_set *set = j->pruning.set;
     uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
-    struct row_sweep at = {.i = row_start(&g->row_set, row), .end = g->row_set.end[row]};
+    struct row_sweep at = {.i = row_start(set, row), .end = set->end[row]};
     while (at.i < at.end) {
-        size_t more = g->sweeps.ask_row(&g->row_set, q, &at, found);
-        for (size_t i = 0; i < more; i++) take_pair(j, w, q->self, found[i]);
+        size_t more = j->grid->sweeps.ask_row(set, q, &at, found);
+        for (size_t i = 0; i < more; i++) {
+            if (w->tag[found[i]] != w->token) take_pair(j, w, q->self, found[i]);
+            w->tag[found[i]] = w->token;
+        }
         n += more;
     }
     return n;
@@ -86,12 +162,14 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
     const struct box *box = j->job->boxes->at;
     const uint32_t *wide = j->pruning.wide;
     for (size_t i = first; i < last; i++) {
-        const struct box *b = &box[wide[i]];
-        const struct row_question q = {.lacks = b->flags & BOX_STATIC ? ROW_MOVES : 0, .self = wide[i]};
+        const struct bounds *bounds = bounds_of(j, wide[i]);
+        uint32_t is_static = box[wide[i]].flags & BOX_STATIC;
+        const struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .self = wide[i]};
         for (size_t k = 0; k < i; k++)
-            if (overlap(&b->now, &box[wide[k]].now) && !(b->flags & box[wide[k]].flags & BOX_STATIC))
+            if (overlap(bounds, bounds_of(j, wide[k])) && !(is_static & box[wide[k]].flags))
                 take_pair(j, w, wide[i], wide[k]);
-        w->settler.touched += i + msap_rows_ask(&j->grid->rows, &b->now, &q, ask_row, j, w, 0);
+        msap_worker_new_token(w);
+        w->settler.touched += i + msap_rows_ask(j->pruning.rows, bounds, &q, ask_row, j, w, 0);
     }
 }
 
@@ -158,12 +236,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     }
     int done = count_all(g, job, p);
     if (done != 1) return done;
-    enum renewal_step next = g->renewal.next;
     if (g->is_tracking) msap_grid_empty(g, job->memory);
-    if (g->will_go_on) {
-        g->renewal.next = next;
-        g->renewal.is_doubtful = 1;
-    }
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
@@ -173,6 +246,34 @@ int msap_grid_jump(struct grid *g, struct job *job)
     msap_rows_fill(p);
     if (!find_pairs(&j)) return 0;
     if (j.is_comparing) return msap_compare(g, job);
+    msap_touch_known_pairs(job);
+    return 1;
+}
+
+/* The same with new skins for all boxes, in which they rest from the end of the commit on (renew.c); wide
+ * ones are put into cells then. Returns 0 without memory, and UNSUITED, with nothing done, where there are
+ * many of these. */
+int msap_grid_jump_into_skins(struct grid *g, struct job *job)
+{
+    struct renewal *r = &g->renewal;
+    complete_before(job->boxes);
+    int done = msap_renewal_at_once(g, job);
+    g->n_wide = r->n_wide;
+    if (!done) return r->n_wide > MOST_WIDE ? UNSUITED : 0;
+    memcpy(g->wide, r->wide, r->n_wide * sizeof *g->wide);
+    struct jump j = {.grid = g,
+                     .job = job,
+                     .pruning = {.set = &r->set,
+                                 .rows = &r->rows,
+                                 .wide = r->wide,
+                                 .n = r->n,
+                                 .n_wide = r->n_wide,
+                                 .entries = r->entries},
+                     .has_skins = 1};
+    keys_exchange(&job->worker->pairs, &r->found);
+    done = find_pairs(&j);
+    keys_exchange(&job->worker->pairs, &r->found);
+    if (!done) return 0;
     msap_touch_known_pairs(job);
     return 1;
 }

@@ -73,6 +73,26 @@ static void renew_skin(const struct grid *g, uint32_t slot)
     msap_skin_renew(g, slot, count_vain(&g->near.of[slot], g->boxes->at, slot));
 }
 
+/* A box enters the grid with the fat bounds that it has; *spot becomes where it is then. Returns 0 without
+ * memory. */
+static int enter(struct grid *g, const struct job *job, uint32_t slot, struct spot *spot)
+{
+    struct box *b = &job->boxes->at[slot];
+    spot_of(&g->layout[g->current], &b->fat, spot);
+    b->layout = (uint8_t)g->current;
+    b->level = (uint8_t)spot->level;
+    return msap_grid_put(g, job->memory, slot, is_static(b), spot);
+}
+
+/* n boxes do, and get no lists. Returns 0 without memory. */
+int msap_enter_all(struct grid *g, const struct job *job, const uint32_t *slot, size_t n)
+{
+    struct spot spot;
+    for (size_t i = 0; i < n; i++)
+        if (!enter(g, job, slot[i], &spot)) return 0;
+    return 1;
+}
+
 /* A box enters the grid, or gets a new skin and moves in it; *spot becomes where it is then. Returns 0
  * without memory. */
 static int place(struct grid *g, const struct job *job, uint32_t slot, struct spot *spot)
@@ -87,10 +107,7 @@ static int place(struct grid *g, const struct job *job, uint32_t slot, struct sp
     if (rests(g, b) && !g->in_skins && !msap_rest_part(g, job, slot)) return 0;
     if (rests(g, b) && g->in_skins && b->flags & BOX_FITTED) renew_skin(g, slot);
     else msap_skin_first(g, slot);
-    spot_of(&g->layout[g->current], &b->fat, spot);
-    b->layout = (uint8_t)g->current;
-    b->level = (uint8_t)spot->level;
-    return msap_grid_put(g, job->memory, slot, is_static(b), spot);
+    return enter(g, job, slot, spot);
 }
 
 /* n boxes are put elsewhere that get no lists. Returns 0 without memory. */

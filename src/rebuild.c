@@ -416,6 +416,7 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
     msap_upkeep_begins(g);
+    msap_upkeep_starts(g);
     g->gain = 0;
     g->moves = t->live;
     msap_layout_free(&g->layout[1 - g->current], job->memory);

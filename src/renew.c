@@ -9,7 +9,7 @@
  * renewal a commit has to test these and to put the few boxes elsewhere that do leave
  * their skins, into cells.
  *
- * In one commit that would take several times as long as others do. So it is
+ * It takes several times as long as other commits do. So where skins last long it is
  * done in steps, one after each of some commits, while the present skins serve; nothing of it shows before the
  * last one.
  *
@@ -20,8 +20,12 @@
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
  *    already, are put into cells (move.c), and so are wide ones, which are in no row.
  *
- * While all boxes are pruned, that is tried first: some boxes get skins, and for some commits it is watched how
- * many leave them.
+ * Where skins do not last long, and when a world is loaded, a commit prunes all boxes with their new skins
+ * at once (jump.c): steps 1 and 2 come in it, and instead of step 3 it finds candidates and pairs together.
+ * Step 4 comes after it.
+ *
+ * While all boxes are pruned, that is tried first: some boxes get skins, and some commits later it is counted how
+ * many have left them.
  *
  * From then on there are candidates instead of lists (candidates.c): a box that leaves its skin finds in cells and
  * rows what others it has. */
@@ -29,10 +33,12 @@
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* Makes the skin of a box that is live. */
+/* Makes the skin of a box that is live. One that has left its last one in this commit has learnt. */
 static void fit_one(struct grid *g, size_t slot)
 {
-    if (!(g->boxes->at[slot].flags & BOX_LIVE)) return;
+    struct box *b = &g->boxes->at[slot];
+    if (!(b->flags & BOX_LIVE)) return;
+    if (b->flags & BOX_LEFT && b->flags & BOX_FITTED) msap_skin_was_left(b);
     msap_skin_ahead(g, (uint32_t)slot, &g->renewal.fat[slot]);
     g->boxes->at[slot].flags |= BOX_FITTED;
 }
@@ -87,84 +93,33 @@ static int make_more_skins(struct grid *g, struct job *job)
 
 /* ------------------------------------------------------------------- trial */
 
-enum { TRIAL = 16 /* commits */, SAMPLES = 256, FEW_SAMPLES = 64 };
+/* Of boxes in so many slots one in so many is tried. */
+static size_t one_in(size_t slots)
+{
+    enum { SAMPLES = 128 };
+    return slots / SAMPLES + 1;
+}
 
-/* Of boxes in so many slots each one in so many is looked at. */
-static size_t one_in(size_t slots, size_t samples) { return slots / samples + 1; }
-
-/* Some boxes get skins, to be watched. Returns 0 without memory. */
+/* While all boxes are pruned: some get skins, to see whether they leave them. Returns 0 without memory. */
 static int try_skins(struct grid *g, struct job *job)
 {
     if (!prepare_skins(g, job)) return 0;
-    for (size_t slot = 0; slot < g->renewal.slots; slot += one_in(g->renewal.slots, SAMPLES)) fit_one(g, slot);
+    for (size_t slot = 0; slot < g->renewal.slots; slot += one_in(g->renewal.slots)) fit_one(g, slot);
     return 1;
 }
 
-static int is_fitted(const struct grid *g, size_t slot)
+/* How many boxes would have left their skins by now, if all were as those that were tried. */
+int64_t msap_trial_count(const struct grid *g)
 {
+    const struct renewal *r = &g->renewal;
     const struct box_table *t = g->boxes;
-    return slot < t->used && (t->at[slot].flags & (BOX_LIVE | BOX_FITTED)) == (BOX_LIVE | BOX_FITTED);
-}
-
-/* How many boxes have left the skins that were made for them: estimated from some. */
-static double count_outside(const struct grid *g)
-{
-    const struct renewal *r = &g->renewal;
-    size_t step = one_in(r->slots, SAMPLES), n = 0;
-    for (size_t slot = 0; slot < r->slots; slot += step) {
-        if (!is_fitted(g, slot)) continue;
+    size_t step = one_in(r->slots), n = 0;
+    for (size_t slot = 0; slot < r->slots && slot < t->used; slot += step) {
+        if ((t->at[slot].flags & (BOX_LIVE | BOX_FITTED)) != (BOX_LIVE | BOX_FITTED)) continue;
         const struct readable skin = {r->fat[slot], 0};
-        n += !contains(&skin.bounds, &g->boxes->at[slot].now);
+        n += !contains(&skin.bounds, &t->at[slot].now);
     }
-    return (double)(n * step); /* each stands for so many */
-}
-
-/* Counts what a row holds that overlaps. */
-static size_t count_in_row(const void *context, struct worker *w, const struct row_question *q, size_t row,
-                           size_t n)
-{
-    const struct grid *g = context;
-    uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
-    struct row_sweep at = {.i = row_start(&g->row_set, row), .end = g->row_set.end[row]};
-    (void)w;
-    while (at.i < at.end) n += g->sweeps.ask_row(&g->row_set, q, &at, found);
-    return n;
-}
-
-/* How many other boxes rows hold that overlap bounds around a box. */
-static size_t count_others(const struct grid *g, const struct job *job, const struct bounds *around)
-{
-    const struct row_question q = {.lacks = 0};
-    size_t n = msap_rows_ask(&g->rows, around, &q, count_in_row, g, job->worker, 0);
-    return n > 0 ? n - 1 : 0; /* but itself */
-}
-
-/* How many times as many candidates there would be as there are pairs: estimated from how many more boxes, as rows
- * hold them after a jump, the skins of some overlap. If both boxes of a pair had their skins, it would be so many
- * times as many once more. */
-static double growth_of(const struct grid *g, const struct job *job)
-{
-    const struct renewal *r = &g->renewal;
-    size_t step = one_in(r->slots, SAMPLES) * one_in(SAMPLES - 1, FEW_SAMPLES), wide = 1, narrow = 1;
-    for (size_t slot = 0; slot < r->slots; slot += step) {
-        if (!is_fitted(g, slot)) continue;
-        wide += count_others(g, job, &r->fat[slot]);
-        narrow += count_others(g, job, &g->boxes->at[slot].now);
-    }
-    double growth = (double)wide / (double)narrow;
-    return growth * growth;
-}
-
-/* Whether, as far as the trial has come, skins will pay. They would be in use once all steps are done. */
-static int watch_skins(struct grid *g, struct job *job)
-{
-    enum { IN_USE = TRIAL - (CHANGE_SKINS - WATCH_SKINS) };
-    struct renewal *r = &g->renewal;
-    uint32_t age = g->commit - g->upkeep.since, commits = age < IN_USE ? age + (age == 0) : IN_USE;
-    double outside = count_outside(g);
-    if (r->growth == 0) r->growth = growth_of(g, job);
-    r->is_calm = outside == 0;
-    return msap_skins_will_pay(g, job, (int64_t)((double)job->pairs->active * r->growth), outside / commits);
+    return (int64_t)(n * step);
 }
 
 /* ------------------------------------------------------------------- step 2 */
@@ -196,10 +151,13 @@ static int count_rows(struct grid *g, struct job *job)
     struct pruning p = pruning_of(g, job);
     msap_rows_choose(&p, g->commit, COMMITS);
     lend_scratch(r, job);
-    if (!msap_rows_count(&p, &r->words) || p.n_wide > MOST_WIDE) return 0;
+    if (!msap_rows_count(&p, &r->words)) return 0;
+    r->n_wide = p.n_wide;
+    if (p.n_wide > MOST_WIDE) return 0;
     for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     r->order = p.order;
     r->range = p.range;
+    r->wide = p.wide;
     r->n = p.n;
     r->entries = p.entries;
     return msap_rows_sort(&p);
@@ -247,13 +205,6 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
     msap_rows_sweep(&r->set, &r->rows, s->grid->sweeps.row, s->from + first, s->from + last, take, NULL, w);
 }
 
-static void exchange(struct keys *a, struct keys *b)
-{
-    const struct keys c = *a;
-    *a = *b;
-    *b = c;
-}
-
 /* The more candidates boxes have, the more steps it takes. Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
@@ -261,9 +212,9 @@ static int find_candidates(struct grid *g, struct job *job)
     size_t share = r->entries / sweep_steps(job) + 1, left = r->entries - r->swept;
     struct swept part = {g, r->swept};
     r->swept += share < left ? share : left;
-    exchange(&job->worker->pairs, &r->found);
+    keys_exchange(&job->worker->pairs, &r->found);
     int done = msap_phase_run(job->crew, job->memory, sweep, &part, r->swept - part.from, WEIGHT_ROW_BOX);
-    exchange(&job->worker->pairs, &r->found);
+    keys_exchange(&job->worker->pairs, &r->found);
     return done && r->found.n <= UINT32_MAX; /* what is named by more bits takes 32 GB */
 }
 
@@ -284,7 +235,7 @@ static int change_over(struct grid *g, struct job *job)
     g->rows = r->rows;
     g->row_set = r->set;
     g->candidates = r->found;
-    g->untold = g->candidates.n;
+    g->untold = r->is_told ? 0 : g->candidates.n;
     r->set = set;
     r->found = candidates;
     g->is_tracking = g->is_resting = g->in_skins = g->rows_hold_skins = 1;
@@ -301,10 +252,13 @@ static void put_on(struct grid *g, struct box_table *t, int are_new)
     const struct renewal *r = &g->renewal;
     for (uint32_t slot = 0; slot < t->used; slot++) {
         struct box *b = &t->at[slot];
-        if (!(b->flags & BOX_LIVE)) continue;
-        if (b->level == NO_LEVEL && b->wobble > 0) b->wobble--; /* its last skin was right */
+        if (!(b->flags & BOX_LIVE)) {
+            box_forget_place(b);
+            continue;
+        }
+        if (b->level == NO_LEVEL) msap_skin_was_right(g, slot);
         b->level = NO_LEVEL;
-        b->fat = b->flags & BOX_FITTED ? r->fat[slot] : b->now;
+        b->fat = r->is_told || b->flags & BOX_FITTED ? r->fat[slot] : b->now;
         if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) {
             msap_skin_starts(g, slot, are_new);
         } else {
@@ -323,23 +277,24 @@ static int install(struct grid *g, struct job *job)
     if (!change_over(g, job)) return 0;
     put_on(g, t, are_new);
     job->worker->pairs.n = 0; /* no candidate is dropped */
-    int done = msap_place_all(g, job, t->left, t->n_left) && msap_candidates_find(g, job, t->left, t->n_left);
+    int done = g->renewal.is_told ? msap_enter_all(g, job, t->left, t->n_left)
+                                  : msap_place_all(g, job, t->left, t->n_left) &&
+                                        msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
-    if (t->used > MANY_BOXES) msap_renewal_free(&g->renewal, job->memory); /* it holds half as much as all else */
+    if (t->used > MANY_BOXES &&
+        !g->renewal.is_told) /* it holds half as much as all else, but may soon be needed */
+        msap_renewal_free(&g->renewal, job->memory);
     return done;
 }
 
 /* ---------------------------------------------------------------- the whole */
 
-/* The step after one that was done. A trial is over soon where no box leaves. */
-static enum renewal_step step_after(const struct grid *g, enum renewal_step now)
+/* The step after one that was done. */
+static enum renewal_step step_after(const struct renewal *r, enum renewal_step now)
 {
-    const struct renewal *r = &g->renewal;
-    uint32_t trial = r->is_calm ? TRIAL / 3 : TRIAL;
     if (now == SWEEP_ROWS && r->swept < r->entries) return now;
-    if (now == WATCH_SKINS && g->commit - g->upkeep.since < trial) return now;
-    return now == CHANGE_SKINS ? NO_RENEWAL : now + 1;
+    return now == CHANGE_SKINS || now == TRY_SKINS ? NO_RENEWAL : now + 1;
 }
 
 /* The next step. Without memory, and where there are many wide boxes, the skins to come are given up; in
@@ -347,51 +302,35 @@ static enum renewal_step step_after(const struct grid *g, enum renewal_step now)
 void msap_renewal_go_on(struct grid *g, struct job *job)
 {
     static int (*const steps[])(struct grid * g, struct job * job) = {
-        [TRY_SKINS] = try_skins,        [WATCH_SKINS] = watch_skins,
-        [MAKE_SKINS] = make_skins,      [MAKE_MORE_SKINS] = make_more_skins,
-        [COUNT_ROWS] = count_rows,      [FILL_ROWS] = fill_rows,
-        [SWEEP_ROWS] = find_candidates, [CHANGE_SKINS] = install};
+        [TRY_SKINS] = try_skins,   [MAKE_SKINS] = make_skins, [MAKE_MORE_SKINS] = make_more_skins,
+        [COUNT_ROWS] = count_rows, [FILL_ROWS] = fill_rows,   [SWEEP_ROWS] = find_candidates,
+        [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
-    int may_go_on = !g->renewal.is_doubtful || watch_skins(g, job);
-    g->renewal.next = NO_RENEWAL;
-    g->renewal.is_doubtful = 0;
-    int done = may_go_on && steps[now](g, job);
-    if (may_go_on && !done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
-    if (!may_go_on || (!done && now == WATCH_SKINS)) msap_trial_failed(g);
-    else if (!done) msap_renewal_failed(g);
-    else if (now == CHANGE_SKINS) msap_renewal_was_made(g, job);
-    if (done) g->renewal.next = step_after(g, now);
+    int is_at_once = g->renewal.is_told, done = steps[now](g, job);
+    g->renewal.next = done ? step_after(&g->renewal, now) : NO_RENEWAL;
+    if (!done) msap_renewal_failed(g);
+    else if (now == CHANGE_SKINS) msap_renewal_was_made(g, job, is_at_once);
+    if (!done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
 }
 
-static void begin(struct grid *g, struct job *job, enum renewal_step first)
+/* The first step. */
+void msap_renewal_begin(struct grid *g, struct job *job)
 {
-    struct renewal *r = &g->renewal;
-    r->is_doubtful = 0;
-    r->growth = 0;
-    r->next = first;
+    g->renewal.is_told = 0;
+    g->renewal.next = MAKE_SKINS;
     msap_renewal_go_on(g, job);
 }
 
-/* The first step. While all boxes are pruned, it is that of a trial. */
-void msap_renewal_begin(struct grid *g, struct job *job)
+/* Steps 1 and 2, for a commit that prunes all boxes with their new skins and finds the candidates itself (jump.c):
+ * step 4 comes after it. Returns 0 without memory, and where there are many wide boxes. */
+int msap_renewal_at_once(struct grid *g, struct job *job)
 {
-    if (g->upkeep.is_first || !g->is_tracking) msap_horizon_choose(g, job);
-    begin(g, job, g->is_tracking ? MAKE_SKINS : TRY_SKINS);
-}
-
-/* All steps, when a world is loaded: skins for any motion, and candidates that know already what they are. Where
- * boxes have many pairs that would be dear. */
-void msap_renewal_at_once(struct grid *g, struct job *job)
-{
-    enum { MANY = 12 };
-    if (pairs_of_a_box(job) > MANY) return;
-    begin(g, job, MAKE_SKINS);
-    while (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
-    if (!g->in_skins) return;
-    int done = msap_candidates_touch(g, job) && msap_candidates_find(g, job, NULL, 0);
-    if (!done) msap_grid_empty(g, job->memory);
-    g->upkeep.is_first = 1;
-    g->gain = 0;
+    struct renewal *r = &g->renewal;
+    r->next = NO_RENEWAL;
+    if (!make_skins(g, job) || !make_more_skins(g, job) || !count_rows(g, job) || !fill_rows(g, job)) return 0;
+    r->is_told = 1;
+    r->next = CHANGE_SKINS;
+    return 1;
 }
 
 void msap_renewal_free(struct renewal *r, struct memory *m)

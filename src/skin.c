@@ -25,14 +25,14 @@
 
 static const float FAR = 1e30f; /* no skin for what is larger */
 
-enum { HORIZON_LEAST = 3, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160 };
+enum { HORIZON_LEAST = 3, WOBBLE_MOST = 4, TESTS_OF_A_MOVE = 160, LONG = 16 /* commits, for a skin */ };
 
 /* Learns from a skin that was left at the age of so many commits; `vain` is how many
  * of its neighbours the box does not overlap. */
 static void learn(struct box *b, uint32_t age, uint32_t vain)
 {
     uint32_t horizon = b->horizon;
-    if (age * 3 < horizon) {
+    if (age * (horizon < LONG ? 1 : 3) < horizon) {
         if (b->wobble < WOBBLE_MOST) b->wobble++;
         else horizon -= horizon / 2;
     } else if ((uint64_t)vain * age > TESTS_OF_A_MOVE) {
@@ -51,12 +51,16 @@ static int is_new(const struct box_table *t, uint32_t slot)
     return t->past[slot].before.min[0] > t->past[slot].before.max[0];
 }
 
-/* Where a box was before it moved in this commit or, between commits, in the last one. One that was not
- * there has not moved. */
+/* Whether a box changed in this commit or, between commits, in the last one. */
+static int has_changed(const struct box_table *t, uint32_t slot)
+{
+    return t->at[slot].changed_in == t->epoch - (t->n_changed == 0);
+}
+
+/* Where a box was before it did. One that was not there has not moved. */
 static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
 {
-    uint32_t epoch = t->n_changed == 0 ? t->epoch - 1 : t->epoch;
-    int has_moved = t->at[slot].changed_in == epoch && !is_new(t, slot);
+    int has_moved = has_changed(t, slot) && !is_new(t, slot);
     return has_moved ? &t->past[slot].before : &t->at[slot].now;
 }
 
@@ -113,7 +117,7 @@ static inline __m128i way_of(const struct grid *g, uint32_t slot)
     return _mm_srai_epi32(_mm_slli_epi32(way, 16), 16);
 }
 
-static struct motion motion_of(const struct grid *g, uint32_t slot)
+static inline struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
@@ -124,9 +128,10 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     m.high = values_of(load_bounds(now->max));
     m.down = _mm_sub_ps(m.low, values_of(load_bounds(before->min)));
     m.up = _mm_sub_ps(m.high, values_of(load_bounds(before->max)));
-    if (commits > 0) {
+    __m128i axes = are_within(step, CRAWL);
+    if (commits > 0 && (_mm_movemask_ps(_mm_castsi128_ps(axes)) & 7)) {
         __m128i way = way_of(g, slot);
-        __m128i axes = _mm_and_si128(are_within(step, CRAWL), are_within(way, CRAWL * (int32_t)commits));
+        axes = _mm_and_si128(axes, are_within(way, CRAWL * (int32_t)commits));
         __m128 mean =
             _mm_div_ps(_mm_sub_ps(m.low, values_of(_mm_sub_epi32(min, way))), _mm_set1_ps((float)commits));
         m.down = choose_floats(axes, mean, m.down);
@@ -138,23 +143,25 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     return m;
 }
 
-/* Encoded, but never as a NaN. */
-static inline __m128i three_ordered(__m128 values)
+/* Encoded and moved by so many units, but never as a NaN. */
+static inline __m128i three_ordered(__m128 values, int32_t units)
 {
     const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
-    __m128i ordered = encode_lanes(_mm_castps_si128(values));
+    __m128i ordered = _mm_add_epi32(encode_lanes(_mm_castps_si128(values)), _mm_set1_epi32(units));
     ordered = choose_lanes(_mm_cmpgt_epi32(ordered, most), most, ordered);
     return choose_lanes(_mm_cmpgt_epi32(least, ordered), least, ordered);
 }
 
-/* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct bounds *fat, const struct motion *m, float horizon, float aside)
+/* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
+ * in the last place. */
+static inline void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m, float horizon,
+                             float aside, int32_t units)
 {
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
-    __m128i min = three_ordered(low), max = three_ordered(high);
-    __m128i old_min = load_bounds(fat->min), old_max = load_bounds(fat->max);
+    __m128i min = three_ordered(low, -units), max = three_ordered(high, units);
+    __m128i old_min = load_bounds(now->min), old_max = load_bounds(now->max);
     store_lanes(fat->min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
     store_lanes(fat->max, choose_lanes(_mm_cmpgt_epi32(max, old_max), max, old_max));
 }
@@ -179,7 +186,7 @@ static int32_t way_of(const struct grid *g, uint32_t slot, int k)
     return (int32_t)way - (way > 0x7fff ? 0x10000 : 0);
 }
 
-static struct motion motion_of(const struct grid *g, uint32_t slot)
+static inline struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
@@ -201,25 +208,26 @@ static struct motion motion_of(const struct grid *g, uint32_t slot)
     return m;
 }
 
-/* Encoded, but never as a NaN. */
-static int32_t ordered_of(float value)
+/* Encoded and moved by so many units, but never as a NaN. */
+static int32_t ordered_of(float value, int32_t units)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    int32_t ordered = ordered_from_float_bits(bits);
-    if (ordered < ORDERED_MINUS_INF) /* GCOVR_EXCL_BR_LINE: no NaN comes from boxes of finite size */
-        return ORDERED_MINUS_INF;    /* GCOVR_EXCL_LINE: the same */
-    return ordered > ORDERED_INF ? ORDERED_INF : ordered;
+    int64_t ordered = (int64_t)ordered_from_float_bits(bits) + units;
+    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
+    return ordered > ORDERED_INF ? ORDERED_INF : (int32_t)ordered;
 }
 
-/* Widens the fat bounds for so many commits, and by `aside` on both sides. */
-static void reach_out(struct bounds *fat, const struct motion *m, float horizon, float aside)
+/* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
+ * in the last place. */
+static void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m, float horizon,
+                      float aside, int32_t units)
 {
     for (int k = 0; k < 3; k++) {
-        int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside);
-        int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside);
-        if (min < fat->min[k]) fat->min[k] = min;
-        if (max > fat->max[k]) fat->max[k] = max;
+        int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, -units);
+        int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, units);
+        fat->min[k] = min < now->min[k] ? min : now->min[k];
+        fat->max[k] = max > now->max[k] ? max : now->max[k];
     }
 }
 
@@ -248,7 +256,7 @@ static void follow(struct box *b, const struct motion *m, float part)
     if (!(horizon >= HORIZON_LEAST && m->size < FAR)) return;
     b->horizon = (uint8_t)horizon;
     horizon *= part;
-    reach_out(&b->fat, m, horizon, m->step * horizon * (float)b->wobble / 8);
+    reach_out(&b->now, &b->fat, m, horizon, m->step * horizon * (float)b->wobble / 8, 0);
 }
 
 /* The skin that a box is about to get starts in this commit, where the box is now; it counts as so
@@ -318,7 +326,7 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
     struct motion m = motion_of(g, slot);
     float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
     if (m.step > 0) follow(b, &m, part);
-    else if (aside < FAR) reach_out(&b->fat, &m, 0, aside);
+    else if (aside < FAR) reach_out(&b->now, &b->fat, &m, 0, aside, 0);
 }
 
 /* ------------------------------------------------------------------ renewals */
@@ -332,51 +340,75 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
-    struct readable skin = {b->now, 0};
     *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
     if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
     struct motion m = motion_of(g, slot);
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
-    int came = b->changed_in == g->boxes->epoch - 1 && is_new(g->boxes, slot);
-    float least = m.size * (came ? 12 : 1) / LEAST_PART;
+    int came = has_changed(g->boxes, slot) && is_new(g->boxes, slot);
+    float least = m.size * (came ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
     if (!(m.size < FAR)) return;
-    reach_out(&skin.bounds, &m, horizon, aside > least ? aside : least);
-    for (int k = 0; k < 3; k++) {
-        int32_t min = skin.bounds.min[k], max = skin.bounds.max[k];
-        fat->min[k] = min - (min > ORDERED_MINUS_INF + STEP_ASIDE ? STEP_ASIDE : 0);
-        fat->max[k] = max + (max < ORDERED_INF - STEP_ASIDE ? STEP_ASIDE : 0);
-    }
+    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
 }
 
 /* How many times the size of the box such a skin would be, made for so many commits: on all axes in which the box
- * is wide, each counted four times at the most. */
-double msap_skin_growth(const struct grid *g, uint32_t slot, uint32_t commits)
+ * is wide, each counted four times at the most. *commits becomes for how many it would last. */
+double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits)
 {
     enum { MOST = 4 };
     const struct box *b = &g->boxes->at[slot];
-    struct readable skin = {b->now, 0};
+    struct bounds skin;
     struct motion m = motion_of(g, slot);
     double growth = 1;
     if (!(m.size < FAR)) return 1;
-    reach_out(&skin.bounds, &m, reach(&m, (float)commits, STEADY_SIZES), m.size / LEAST_PART);
+    *commits = reach(&m, *commits, STEADY_SIZES);
+    reach_out(&b->now, &skin, &m, *commits, m.size / LEAST_PART, 0);
     for (int k = 0; k < 3; k++) {
         double size = (double)value_of(b->now.max[k]) - (double)value_of(b->now.min[k]);
-        double wide = (double)value_of(skin.bounds.max[k]) - (double)value_of(skin.bounds.min[k]);
+        double wide = (double)value_of(skin.max[k]) - (double)value_of(skin.min[k]);
         if (size > 0) growth *= wide < MOST * size ? wide / size : MOST;
     }
     return growth;
 }
 
-/* Whether a box that is not static leaves its skin within so many commits if it moves on as in the last one. */
+/* Whether a box has made a step of a few units in the last place, on each axis. */
+static int has_crawled(const struct box_table *t, uint32_t slot)
+{
+    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
+    int n = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t way = (int64_t)now->min[k] - before->min[k];
+        n += -CRAWL <= way && way <= CRAWL;
+    }
+    return n == 3;
+}
+
+/* Whether a box that is not static leaves its skin within so many commits if it moves on as in the last
+ * one. Of one that crawls nothing is foreseen soon after it got its skin. */
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits)
 {
+    enum { SOON = 8 };
     const struct box *b = &g->boxes->at[slot];
-    struct readable then = {b->now, 0};
-    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || b->changed_in != g->boxes->epoch - 1) return 0;
+    struct readable then = {.fourth = 0};
+    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || !has_changed(g->boxes, slot)) return 0;
+    if (skin_age(b, g) < SOON && has_crawled(g->boxes, slot)) return 0;
     struct motion m = motion_of(g, slot);
-    reach_out(&then.bounds, &m, (float)commits, 0);
+    reach_out(&b->now, &then.bounds, &m, (float)commits, 0, 0);
     return !contains(&b->fat, &then.bounds);
+}
+
+/* A box leaves its skin in the commit in which all get new ones: the next one is wider. */
+void msap_skin_was_left(struct box *b)
+{
+    if (b->wobble < WOBBLE_MOST) b->wobble++;
+}
+
+/* A box has not left its skin before all get new ones: little by little the next ones are narrower. */
+void msap_skin_was_right(const struct grid *g, uint32_t slot)
+{
+    struct box *b = &g->boxes->at[slot];
+    if (b->wobble > 0 && (spread(slot, g->commit) - 0.5f) * 2 * HORIZON_START < (float)g->upkeep.made_for)
+        b->wobble--;
 }
 
 /* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that
@@ -384,8 +416,8 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
  * world gets are good enough however soon they are left. */
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new)
 {
-    enum { SHORT = 8 };
+    enum { SHORT = 8, LONG_AGO = 24 };
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
-    if (is_new || skin_age(b, g) > HORIZON_MOST / 2) start(g, slot, 0);
+    if (is_new || skin_age(b, g) > LONG_AGO) start(g, slot, 0);
 }

@@ -253,7 +253,7 @@ static int rest_without_skins(struct grid *g, struct job *job)
     const struct box_table *t = job->boxes;
     size_t in_cells = g->layout[0].boxes + g->layout[1].boxes;
     msap_keys_free(&g->candidates, job->memory);
-    g->renewal.next = NO_RENEWAL;
+    msap_renewal_free(&g->renewal, job->memory);
     g->in_skins = 0;
     g->untold = g->quiet = 0;
     g->gain = 0;
@@ -277,6 +277,12 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
     enum way way = way_by(strategy, g, job, misplaced);
     g->commit++;
+    if (way == JUMP_INTO_SKINS) {
+        int done = msap_grid_jump_into_skins(g, job);
+        if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
+        msap_renewal_failed(g);
+        way = JUMP_OR_REBUILD;
+    }
     if (way == JUMP_OR_TRACK || way == JUMP_OR_REBUILD) {
         int done = msap_grid_jump(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;
@@ -331,7 +337,6 @@ static void rest_loaded(struct grid *g, struct job *job)
 void msap_grid_prepare(struct grid *g, struct job *job)
 {
     if (g->will_rest) rest_loaded(g, job);
-    if (g->will_renew && g->upkeep.is_first && g->is_jumping) msap_renewal_at_once(g, job);
-    else if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
-    else if (g->is_tracking ? msap_renewal_is_due(g, job) : g->will_renew) msap_renewal_begin(g, job);
+    if (g->renewal.next != NO_RENEWAL) msap_renewal_go_on(g, job);
+    else if (g->is_tracking && msap_renewal_is_due(g, job)) msap_renewal_begin(g, job);
 }

@@ -92,6 +92,8 @@ static int chooses(int row)
 }
 
 /* The same, and skins are made for motion. */
+static int chooses_skins(int row) { return chooses(row) && config_of(3, row).margin < 0; }
+
 static int is_free(const walkers *w)
 {
     const msap_config *c = &w->s.world->config;
@@ -114,8 +116,8 @@ START_TEST(all_walk)
         walkers w;
         int steps[CHANGE_SKINS + 1] = {0};
         open_walk(&w, _i, dims, 1);
-        put_some(&w, 320, 0.05f, 2);
-        for (int frame = 0; frame < 70; frame++) {
+        put_some(&w, 320, 0.02f, 2);
+        for (int frame = 0; frame < 160; frame++) {
             walk(&w, 0);
             end_frame(&w);
             steps[grid_of(&w)->renewal.next]++;
@@ -150,13 +152,20 @@ static void happen(walkers *w, int what)
     }
 }
 
+/* Whether a step is next; TRY_SKINS is for as long as some boxes are tried, and the commit after that. */
+static int is_next(const walkers *w, int step)
+{
+    const struct grid *g = grid_of(w);
+    return step == TRY_SKINS ? !g->in_skins && g->commit - g->upkeep.tried < 4 : (int)g->renewal.next == step;
+}
+
 /* A scene in which something happens before each time that a step comes. Returns how often. */
 static int walk_through(walkers *w, int what, int step, int frames)
 {
     int times = 0;
     for (int frame = 0; frame < frames; frame++) {
         walk(w, what == STOP ? 2 : 0);
-        if ((int)grid_of(w)->renewal.next == step && frame > 1) happen(w, times++ % 2 ? GO : what);
+        if (is_next(w, step) && frame > 1) happen(w, times++ % 2 ? GO : what);
         end_frame(w);
     }
     return times;
@@ -171,7 +180,7 @@ START_TEST(all_happens_between_the_steps)
             walkers w;
             if (step != NO_RENEWAL && step <= MAKE_SKINS) continue; /* see below */
             open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
-            put_some(&w, 300, 0.08f, 2);
+            put_some(&w, 300, 0.02f, 2);
             int times = walk_through(&w, what, step, 18);
             if (is_free(&w)) ck_assert_int_gt(times, 0);
             right(session_close(&w.s));
@@ -185,7 +194,7 @@ START_TEST(all_happens_in_a_trial)
 {
     if (!chooses(_i)) return;
     for (int what = 0; what < HAPPENINGS; what++)
-        for (int step = WATCH_SKINS; step <= CHANGE_SKINS; step++) {
+        for (int step = TRY_SKINS; step <= CHANGE_SKINS; step++) {
             walkers w;
             if (_i != DEFAULT && _i % HAPPENINGS != what) continue;
             open_walk(&w, _i, 2 + (uint32_t)(what + step) % 2, (uint64_t)(10 * what + step));
@@ -195,9 +204,47 @@ START_TEST(all_happens_in_a_trial)
                 end_frame(&w);
             }
             int times = walk_through(&w, what, step, 50);
-            if (is_free(&w) && step <= MAKE_SKINS) ck_assert_int_gt(times, 0);
+            if (is_free(&w) && step == TRY_SKINS) ck_assert_int_gt(times, 0);
             right(session_close(&w.s));
         }
+}
+END_TEST
+
+/* All go on by a step, one by more and another by less. */
+static void shake(walkers *w)
+{
+    for (uint32_t i = 0; i < w->n; i++) {
+        float part = (float)random_below(&w->s.random, 2001) / 1000;
+        box b = w->bounds[i];
+        for (int k = 0; k < 3; k++) {
+            b.min[k] += part * w->step[i][k];
+            b.max[k] += part * w->step[i][k];
+        }
+        set(w, i, b);
+    }
+}
+
+/* The same where skins do not last long, since boxes shake: all get new ones within a commit, in which more
+ * happens. */
+START_TEST(all_happens_at_once)
+{
+    int meetings = 0;
+    if (!chooses(_i)) return;
+    for (int what = 0; what < ALL_JUMP; what++) {
+        walkers w;
+        open_walk(&w, _i, 2 + (uint32_t)what % 2, (uint64_t)what + 20);
+        for (int i = 0; i < 3; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.02f, i == 0 ? MSAP_STATIC : 0);
+        put_some(&w, 400, 0.12f, 2);
+        for (int frame = 0; frame < 60; frame++) {
+            int was_in_skins = grid_of(&w)->in_skins && grid_of(&w)->renewal.next == NO_RENEWAL;
+            shake(&w);
+            if (frame % 3 == 2) happen(&w, frame % 2 ? GO : what);
+            end_frame(&w);
+            meetings += frame % 3 == 2 && was_in_skins && grid_of(&w)->upkeep.since == grid_of(&w)->commit;
+        }
+        right(session_close(&w.s));
+    }
+    ck_assert(!chooses_skins(_i) || meetings > 3);
 }
 END_TEST
 
@@ -327,7 +374,7 @@ START_TEST(boxes_stop_and_walk_on)
     if (!chooses(_i)) return;
     walkers w;
     open_walk(&w, _i, 3, 8);
-    put_some(&w, 400, 0.05f, 0);
+    put_some(&w, 400, 0.02f, 0);
     for (int round = 0; round < 2; round++) {
         for (int frame = 0; frame < (round == 0 ? 30 : 90); frame++) { /* then skins are tried before */
             walk(&w, 0);
@@ -359,8 +406,8 @@ START_TEST(boxes_in_cells_get_lists)
     if (!chooses(row)) return;
     walkers w;
     open_walk(&w, row, 3, 14);
-    for (int i = 0; i < 5; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.05f, 0);
-    put_some(&w, 500, 0.04f, 2);
+    for (int i = 0; i < 5; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.02f, 0);
+    put_some(&w, 500, 0.02f, 2);
     for (int frame = 0; frame < (later ? 20 : 1); frame++) {
         walk(&w, 0);
         if (frame == 12) happen(&w, JUMP);
@@ -581,6 +628,7 @@ int main(void)
     tcase_add_loop_test(tests, all_walk, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_in_a_trial, 0, SETUPS);
+    tcase_add_loop_test(tests, all_happens_at_once, 0, SETUPS);
     tcase_add_loop_test(tests, slots_are_given_out_again, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_freeze, 0, SETUPS);
     tcase_add_loop_test(tests, boxes_lie_in_all_rows, 0, SETUPS);
