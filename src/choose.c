@@ -349,7 +349,7 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     if (can_renew(g, job)) {
         g->gain = 0;
         if (!may_renew(g, job) || !do_many_move(job->boxes)) return JUMP_OR_REBUILD;
-        if (g->commit - u->tried > TRIAL) {
+        if (u->tried == 0 || g->commit - u->tried > TRIAL) {
             u->tried = g->commit + 1;
             g->renewal.next = TRY_SKINS;
         }

@@ -131,10 +131,11 @@ static void take_pair(const struct jump *j, struct worker *w, uint32_t a, uint32
     else if (is) settle_found(&w->settler, a, b);
 }
 
-/* The bounds by which boxes are pruned. */
-static const struct bounds *bounds_of(const struct jump *j, uint32_t slot)
+/* The bounds by which a box is pruned. */
+static struct readable bounds_of(const struct jump *j, uint32_t slot)
 {
-    return j->has_skins ? &j->grid->renewal.fat[slot] : &j->job->boxes->at[slot].now;
+    struct readable r = {j->has_skins ? j->grid->renewal.fat[slot] : j->job->boxes->at[slot].now, 0};
+    return r;
 }
 
 /* Asks a row for a wide box. Some boxes are found in two rows. */
@@ -162,14 +163,16 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
     const struct box *box = j->job->boxes->at;
     const uint32_t *wide = j->pruning.wide;
     for (size_t i = first; i < last; i++) {
-        const struct bounds *bounds = bounds_of(j, wide[i]);
+        const struct readable own = bounds_of(j, wide[i]);
         uint32_t is_static = box[wide[i]].flags & BOX_STATIC;
         const struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .self = wide[i]};
-        for (size_t k = 0; k < i; k++)
-            if (overlap(bounds, bounds_of(j, wide[k])) && !(is_static & box[wide[k]].flags))
+        for (size_t k = 0; k < i; k++) {
+            const struct readable other = bounds_of(j, wide[k]);
+            if (overlap(&own.bounds, &other.bounds) && !(is_static & box[wide[k]].flags))
                 take_pair(j, w, wide[i], wide[k]);
+        }
         msap_worker_new_token(w);
-        w->settler.touched += i + msap_rows_ask(j->pruning.rows, bounds, &q, ask_row, j, w, 0);
+        w->settler.touched += i + msap_rows_ask(j->pruning.rows, &own.bounds, &q, ask_row, j, w, 0);
     }
 }
 
