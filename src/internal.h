@@ -896,7 +896,7 @@ struct grid {
     uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
     struct rows rows;
     struct row_set row_set;   /* of all boxes that were pruned last, as they were then or with their skins, */
-    uint32_t wide[MOST_WIDE]; /* but for these */
+    uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping */
     size_t n_wide;
     struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;

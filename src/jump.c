@@ -263,7 +263,6 @@ int msap_grid_jump_into_skins(struct grid *g, struct job *job)
     int done = msap_renewal_at_once(g, job);
     g->n_wide = r->n_wide;
     if (!done) return r->n_wide > MOST_WIDE ? UNSUITED : 0;
-    memcpy(g->wide, r->wide, r->n_wide * sizeof *g->wide);
     struct jump j = {.grid = g,
                      .job = job,
                      .pruning = {.set = &r->set,

@@ -357,7 +357,7 @@ double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits)
 {
     enum { MOST = 4 };
     const struct box *b = &g->boxes->at[slot];
-    struct bounds skin;
+    struct bounds skin = b->now;
     struct motion m = motion_of(g, slot);
     double growth = 1;
     if (!(m.size < FAR)) return 1;
