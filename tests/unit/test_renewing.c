@@ -75,14 +75,18 @@ static void walk(walkers *w, uint32_t but)
     }
 }
 
+static const struct grid *grid_of(const walkers *w) { return &w->s.world->grid; }
+
 static void end_frame(walkers *w)
 {
     right(session_commit(&w->s));
     right(session_compare(&w->s));
+    if (grid_of(w)->in_skins) {
+        ck_assert_uint_ge(grid_of(w)->upkeep.made_for, HORIZON_SHORT);
+        ck_assert_uint_le(grid_of(w)->upkeep.made_for, HORIZON_MOST);
+    }
     w->commits++;
 }
-
-static const struct grid *grid_of(const walkers *w) { return &w->s.world->grid; }
 
 /* Whether a set-up chooses its ways itself, in a grid: others never renew skins. */
 static int chooses(int row)
