@@ -282,9 +282,8 @@ static int install(struct grid *g, struct job *job)
                                         msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
-    if (t->used > MANY_BOXES &&
-        !g->renewal.is_told) /* it holds half as much as all else, but may soon be needed */
-        msap_renewal_free(&g->renewal, job->memory);
+    /* It holds half as much as all else. But where skins do not last it is soon needed again. */
+    if (t->used > MANY_BOXES && !g->renewal.is_told) msap_renewal_free(&g->renewal, job->memory);
     return done;
 }
 
