@@ -30,9 +30,9 @@
  * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
  * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
- * commit in which that is due. When that would be dearer than to prune all in every commit, or take more
- * than twice as long as to prune them, all is pruned for a while, and for twice as long after the next
- * time. Then some boxes get skins for a trial, and if few leave them, all do. When few boxes move, they
+ * commit in which that is due, unless that would take more than twice as long as to prune all. When skins have
+ * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
+ * next time. Then some boxes get skins for a trial, and if few leave them, all do. When few boxes move, they
  * rest as they are.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
@@ -142,12 +142,9 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 
 /* ----------------------------------------------------------------- renewals */
 
-/* Whether skins for so many commits are renewed in steps. Where they last less long, in one commit. */
-static int is_in_steps(uint32_t horizon)
-{
-    enum { LONG = 16 };
-    return horizon >= LONG;
-}
+enum { IN_STEPS = 12 /* commits or more that skins are made for which are renewed in steps */ };
+
+static int is_in_steps(uint32_t horizon) { return horizon >= IN_STEPS; }
 
 /* A step after each commit. */
 static int64_t renewal_steps(const struct job *job, uint32_t horizon)
@@ -243,7 +240,7 @@ static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, uint
  * Returns what each of them would cost. */
 static int64_t choose_horizon(struct grid *g, const struct job *job, uint32_t most)
 {
-    static const uint32_t horizon[] = {3, 4, 6, 8, 12, 16, 24, 32, 48, HORIZON_MOST};
+    static const uint32_t horizon[] = {HORIZON_SHORT, 4, 6, 8, IN_STEPS, 16, 24, 32, 48, HORIZON_MOST};
     int64_t best = INT64_MAX;
     for (size_t i = 0; i < sizeof horizon / sizeof *horizon && horizon[i] <= most; i++) {
         int64_t upkeep = foreseen_upkeep(g, job, horizon[i]);
@@ -308,8 +305,13 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
     if (!g->in_skins || steps == 0) return 0;
     int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
     int is_over = u->lately * age > renewal + u->spent; /* not only soon */
-    if (is_over && !u->is_first && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
-    return u->is_first || is_over || next * age > renewal + u->spent;
+    if (u->is_first) return 1;
+    if (!is_over && next * age <= renewal + u->spent) return 0;
+    if (is_over && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
+    int64_t life = age + steps, tests = cost_of_candidates((int64_t)g->candidates.n);
+    int has_paid = renewal + u->spent + tests * life < costs_of(g, job).jump * life;
+    if (!has_paid) msap_renewal_failed(g);
+    return has_paid;
 }
 
 /* It cannot be done, or has not paid: there is none for a while, and twice as long the time after that. */
@@ -354,8 +356,9 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
             g->renewal.next = TRY_SKINS;
         }
         if (g->commit + 1 - u->tried < TRIAL) return JUMP_OR_REBUILD;
-        int64_t leaving = msap_trial_count(g) * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
-        if (choose_horizon(g, job, HORIZON_TRIAL) + leaving < c->jump * 7 / 8) return JUMP_INTO_SKINS;
+        int64_t n = msap_trial_count(g), leaving = n * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
+        int64_t upkeep = choose_horizon(g, job, n == 0 ? HORIZON_MOST : HORIZON_TRIAL);
+        if (upkeep + leaving < c->jump * 7 / 8) return JUMP_INTO_SKINS;
         u->not_before = g->commit + WAIT;
         return JUMP_OR_REBUILD;
     }
@@ -365,30 +368,45 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
     return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
 }
 
-/* While boxes rest in their skins. All get new ones in this commit if that costs less than to go on with
- * the present ones, or these have come to cost more in a commit than they have in each so far, renewal
- * included; unless to prune all has been cheaper all along: then nothing is kept for a while. */
+/* What a commit would cost with skins for so many more commits that they are renewed in steps, if the
+ * present ones, which last so many, have shown how many candidates are tested in vain. */
+static int64_t upkeep_in_steps(const struct grid *g, const struct job *job, int64_t commits)
+{
+    int64_t pairs = (int64_t)job->pairs->active, vain = (int64_t)g->candidates.n - pairs;
+    int64_t n = commits < IN_STEPS ? pairs + vain * IN_STEPS / commits : pairs + vain;
+    int64_t left = IN_STEPS - renewal_steps(job, IN_STEPS);
+    return cost_of_candidates(n) + cost_of_renewal(job, n) / (left < 1 ? 1 : left);
+}
+
+/* While boxes rest in their skins. All get new ones in this commit if the present ones have come to cost more in
+ * it than in each so far, renewal included, or than to prune all; such as last long may for once. But if to
+ * prune all would have been cheaper all along, or new ones would take long at once and not pay in steps, nothing
+ * is kept for a while. */
 static enum way choose_in_skins(struct grid *g, const struct job *job, const struct costs *c)
 {
-    enum { LONG = 4, MOST = 2 /* times as long as to prune all it may take */ };
+    enum { LONG = 4 };
     struct upkeep *u = &g->upkeep;
     int is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
     int are_all_live = job->boxes->removed.head == NONE; /* so that lists can be made of them */
     g->quiet = is_quiet ? g->quiet + 1 : 0;
     if (g->quiet > (u->is_first ? 0 : LONG) && are_all_live) return REST;
+    if (g->commit < u->not_before) return JUMP_OR_REBUILD;
     int64_t age = g->commit + 1 - u->since; /* they are in their age-th commit, the first of which made them */
     int64_t tests = cost_of_candidates((int64_t)g->candidates.n), moves = c->track - tests;
     int64_t renewal = cost_at_once(job, (int64_t)g->candidates.n);
     int64_t cost = renewal + u->spent - moves + tests * (age - 1);
     int is_short = !is_in_steps(u->is_first ? u->horizon : u->made_for);
-    if (is_short ? c->track <= c->jump && c->track * age <= cost : c->track <= renewal) return TRACK;
-    int has_paid = cost < c->jump * age && renewal < MOST * c->jump;
+    int is_due =
+        is_short ? c->track > c->jump || c->track * age > cost : c->track > renewal || u->lately + tests > c->jump;
+    if (!is_due) return TRACK;
+    int is_stall = renewal > 2 * c->jump;
+    int has_paid = cost < c->jump * age && (!is_stall || upkeep_in_steps(g, job, age) < c->jump);
     if (u->is_first) has_paid = choose_horizon(g, job, HORIZON_MOST) < c->jump * 7 / 8;
-    else u->horizon = (uint32_t)age;
+    else u->horizon = is_stall && age < IN_STEPS ? IN_STEPS : (uint32_t)age;
     u->is_first = 0;
     if (has_paid) u->wait = 0;
     else msap_renewal_failed(g);
-    return has_paid && may_renew(g, job) ? JUMP_INTO_SKINS : JUMP_OR_REBUILD;
+    return has_paid && can_renew(g, job) ? JUMP_INTO_SKINS : JUMP_OR_REBUILD;
 }
 
 /* While cells and lists are kept. `early` are the boxes that left a skin made for their motion:
