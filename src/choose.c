@@ -30,7 +30,7 @@
  * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
  * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
- * commit in which that is due, unless that would take more than twice as long as to prune all. When skins have
+ * commit in which that is due, unless that should take more than twice as long as to prune all. When skins have
  * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
  * next time. Then some boxes get skins for a trial, and if few leave them, all do. When few boxes move, they
  * rest as they are.
