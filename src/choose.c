@@ -210,7 +210,7 @@ struct foresight {
 
 static struct foresight foresee(const struct grid *g, uint32_t horizon)
 {
-    enum { SAMPLES = 64 };
+    enum { SAMPLES = 32 };
     const struct box_table *t = g->boxes;
     struct foresight f = {0, 0};
     size_t step = t->used / SAMPLES + 1, n = 0;
@@ -295,7 +295,7 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
  * when most boxes move but each still has cells of its own, if that has cost more than renewals would. */
 int msap_renewal_is_due(struct grid *g, const struct job *job)
 {
-    enum { SELDOM = 16 };
+    enum { SELDOM = 16, NOW_AND_THEN = 2 };
     struct upkeep *u = &g->upkeep;
     if (!may_renew(g, job) || g->quiet > 0) return 0;
     if (g->in_skins && u->is_first) choose_horizon(g, job, HORIZON_MOST);
@@ -303,9 +303,10 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
             steps = renewal_steps(job, u->horizon);
     if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - steps) > renewal * age;
     if (!g->in_skins || steps == 0) return 0;
-    int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
-    int is_over = u->lately * age > renewal + u->spent; /* not only soon */
     if (u->is_first) return 1;
+    int is_over = u->lately * age > renewal + u->spent; /* not only soon */
+    if (!is_over && age % NOW_AND_THEN != 0) return 0;
+    int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
     if (!is_over && next * age <= renewal + u->spent) return 0;
     if (is_over && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
     int64_t life = age + steps, tests = cost_of_candidates((int64_t)g->candidates.n);

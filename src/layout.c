@@ -10,7 +10,7 @@
  * axes, towers one over one, and crowds in a cube one over three. */
 #include "cells.h"
 
-enum { SAMPLES = 256, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
+enum { SAMPLES = 128, FEW_SAMPLES = 32, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
 
 double msap_power_of_two(int exponent)
 {
@@ -34,11 +34,12 @@ static int limited(int exponent) { return exponent < LEAST_EXPONENT ? LEAST_EXPO
 static uint64_t sortable(double value) { return msap_encode_float((float)value); }
 static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code); }
 
-/* Looks at up to SAMPLES finite boxes. */
-static void look(const struct box_table *boxes, const struct bounds_by_slot *bounds, uint32_t k, struct spread *s)
+/* Looks at so many finite boxes, SAMPLES at the most. */
+static void look(const struct box_table *boxes, const struct bounds_by_slot *bounds, size_t samples, uint32_t k,
+                 struct spread *s)
 {
     uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
-    size_t n = 0, step = boxes->used / SAMPLES + 1;
+    size_t n = 0, step = boxes->used / samples + 1;
     for (size_t slot = 0; slot < boxes->used; slot += step) {
         if ((boxes->at[slot].flags & bounds->flags) != bounds->flags) continue;
         const struct bounds *b = bounds_of_slot(bounds, slot);
@@ -58,13 +59,13 @@ static void look(const struct box_table *boxes, const struct bounds_by_slot *bou
 
 void msap_spread_of(const struct box_table *boxes, const struct bounds_by_slot *bounds, struct spread s[3])
 {
-    for (uint32_t k = 0; k < 3; k++) look(boxes, bounds, k, &s[k]);
+    for (uint32_t k = 0; k < 3; k++) look(boxes, bounds, SAMPLES, k, &s[k]);
 }
 
-static void spread_now(const struct box_table *boxes, struct spread s[3])
+static void spread_now(const struct box_table *boxes, size_t samples, struct spread s[3])
 {
     const struct bounds_by_slot now = bounds_now(boxes);
-    msap_spread_of(boxes, &now, s);
+    for (uint32_t k = 0; k < 3; k++) look(boxes, &now, samples, k, &s[k]);
 }
 
 double msap_cells_on(const struct spread *s)
@@ -199,7 +200,7 @@ int msap_layout_choose(struct grid *g, struct memory *m, const struct box_table 
     struct layout *l = &g->layout[g->current];
     struct spread s[3];
     uint32_t count[3];
-    spread_now(boxes, s);
+    spread_now(boxes, SAMPLES, s);
     if (g->config->grid == MSAP_GRID_FIXED) lay_out_as_told(l, g->config, count);
     else lay_out_for_boxes(l, g->config, s, n, count);
     l->chosen_for = l->n_cells = l->boxes = 0;
@@ -233,22 +234,30 @@ static size_t boxes_to_hold(const struct grid *g, const struct box_table *boxes)
     return g->is_resting ? larger_of(l->boxes, l->chosen_for) : boxes->live;
 }
 
-/* Whether the boxes would be laid out otherwise now, by more than chance: cells four
- * times as wide or as narrow on some axis. */
-static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
+/* Whether the boxes, by a sample of so many, would be laid out otherwise now, by more than chance: cells
+ * four times as wide or as narrow on some axis. */
+static int would_differ(const struct grid *g, const struct box_table *boxes, size_t samples)
 {
-    enum { COMMITS = 16 };
     struct layout now = g->layout[g->current];
     const struct layout *then = &g->layout[g->current];
     struct spread s[3];
     uint32_t count[3];
-    if (msap_is_outgrown(then->chosen_for, boxes_to_hold(g, boxes))) return 1;
-    if ((g->commit - then->chosen_at) % COMMITS != COMMITS - 1) return 0;
-    spread_now(boxes, s);
+    spread_now(boxes, samples, s);
     lay_out_for_boxes(&now, g->config, s, boxes_to_hold(g, boxes), count);
     for (int k = 0; k < 3; k++)
         if (now.scale[k] > 3 * then->scale[k] || then->scale[k] > 3 * now.scale[k]) return 1;
     return 0;
+}
+
+/* Whether another layout is to be chosen. Now and then a few boxes are asked, and if these say so, as many as it
+ * would be chosen by. */
+static int is_unsuitable(const struct grid *g, const struct box_table *boxes)
+{
+    enum { COMMITS = 16 };
+    const struct layout *then = &g->layout[g->current];
+    if (msap_is_outgrown(then->chosen_for, boxes_to_hold(g, boxes))) return 1;
+    return (g->commit - then->chosen_at) % COMMITS == COMMITS - 1 && would_differ(g, boxes, FEW_SAMPLES) &&
+           would_differ(g, boxes, SAMPLES);
 }
 
 /* Moves boxes from the other layout to the current one: a few, so that no commit takes
