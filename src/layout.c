@@ -288,6 +288,7 @@ int msap_layout_adapt(struct grid *g, struct memory *m, const struct box_table *
     if (other->boxes > 0) return move_over(g, m, boxes);
     if (g->config->grid == MSAP_GRID_FIXED || !is_unsuitable(g, boxes)) return 1;
     size_t n = boxes_to_hold(g, boxes);
+    if (g->is_resting) n = larger_of(n, 2 * g->layout[g->current].boxes); /* more are likely to leave the rows */
     g->current = 1 - g->current;
     return msap_layout_choose(g, m, boxes, n);
 }
