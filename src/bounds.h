@@ -17,11 +17,20 @@
 #include <emmintrin.h>
 #endif
 
-/* Asks for memory that will soon be read. */
+/* A function that is made anew wherever it is called, by constants that are told there. */
+#if defined(__GNUC__)
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+#else
+#define ALWAYS_INLINE inline
+#endif
+
+/* Asks for memory that will soon be read. Were it not for the empty assembly, a compiler might take a function
+ * that does only this for one that does nothing, and drop it. */
 static inline void prefetch(const void *at)
 {
 #if defined(__GNUC__)
     __builtin_prefetch(at);
+    __asm__ volatile("");
 #else
     (void)at;
 #endif

@@ -19,13 +19,17 @@
 /* Besides the index of a candidate that is named: a box of it left. */
 #define VACANT ((uint64_t)1 << 32)
 
-/* Where there are many boxes, those of a candidate further on are fetched. */
-static inline void fetch_candidate(const struct box *boxes, const uint64_t *c, size_t i, size_t last)
+/* Fetches the boxes of a candidate further on and, as told, where they were. */
+static ALWAYS_INLINE void fetch_ahead(const struct box_table *t, const uint64_t *c, size_t i, size_t last,
+                                      int with_past)
 {
-    enum { AHEAD = 16 };
+    enum { AHEAD = 48 };
     if (i + AHEAD >= last) return;
-    prefetch(&boxes[c[i + AHEAD] >> 32]);
-    prefetch(&boxes[near_slot((uint32_t)c[i + AHEAD])]);
+    uint32_t a = (uint32_t)(c[i + AHEAD] >> 32), b = near_slot((uint32_t)c[i + AHEAD]);
+    prefetch(&t->at[a]);
+    prefetch(&t->at[b]);
+    if (with_past) prefetch(&t->past[a]);
+    if (with_past) prefetch(&t->past[b]);
 }
 
 /* ------------------------------------------------------------------- step 1 */
@@ -51,7 +55,7 @@ static void touch_one(const struct grid *g, struct worker *w, size_t i)
 }
 
 /* Which of four candidates are not what they were, a bit each; all, if a box of them left. */
-static inline uint32_t changed_among(const struct box *boxes, const uint64_t *c)
+static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint64_t *c)
 {
     const struct box *p0 = &boxes[c[0] >> 32], *q0 = &boxes[near_slot((uint32_t)c[0])];
     const struct box *p1 = &boxes[c[1] >> 32], *q1 = &boxes[near_slot((uint32_t)c[1])];
@@ -64,24 +68,29 @@ static inline uint32_t changed_among(const struct box *boxes, const uint64_t *c)
     return flags & BOX_LEFT ? 15 : are ^ marks_of_four(c);
 }
 
-/* Settles candidates first ... last - 1 from there on; names those that changed and those with a box that
- * left. Nearly all are as they were: so they are looked at by fours. */
-static void touch(void *context, struct worker *w, size_t first, size_t last)
+/* Settles candidates i ... end - 1; names those that changed and those with a box that left. Nearly all are as
+ * they were: so they are looked at by fours. */
+static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, size_t i, size_t end, int fetches)
 {
-    const struct touching *t = context;
-    const struct grid *g = t->grid;
     const struct box *boxes = g->boxes->at;
     const uint64_t *c = g->candidates.at;
-    int are_many = g->boxes->used > MANY_BOXES;
-    size_t i = t->from + first, end = t->from + last;
-    w->settler.touched += last - first;
     for (; end - i >= 4; i += 4) {
-        for (size_t k = 0; are_many && k < 4; k++) fetch_candidate(boxes, c, i + k, end);
+        for (size_t k = 0; fetches && k < 4; k++) fetch_ahead(g->boxes, c, i + k, end, 0);
         uint32_t changed = changed_among(boxes, c + i);
         for (size_t k = i; changed > 0; k++, changed >>= 1)
             if (changed & 1) touch_one(g, w, k);
     }
     for (; i < end; i++) touch_one(g, w, i);
+}
+
+/* The same of first ... last - 1 from there on. */
+static void touch(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct touching *t = context;
+    size_t i = t->from + first, end = t->from + last;
+    w->settler.touched += last - first;
+    if (t->grid->boxes->used > MANY_BOXES) touch_some(t->grid, w, i, end, 1);
+    else touch_some(t->grid, w, i, end, 0);
 }
 
 /* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
@@ -95,7 +104,7 @@ static void touch_untold(void *context, struct worker *w, size_t first, size_t l
     w->settler.touched += last - first;
     for (size_t i = first; i < last; i++) {
         uint32_t a = (uint32_t)(c[i] >> 32), b = near_slot((uint32_t)c[i]);
-        if (are_many) fetch_candidate(boxes->at, c, i, last);
+        if (are_many) fetch_ahead(boxes, c, i, last, 1);
         if (candidate_is_void(boxes, a, b)) {
             msap_worker_put(w, i | VACANT);
             continue;

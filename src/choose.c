@@ -72,8 +72,8 @@ struct costs {
 static int64_t dearness(size_t boxes)
 {
     int64_t more = 0;
-    for (; boxes > 2 * MANY_BOXES; boxes /= 2) more += ONE / 2;
-    if (boxes > MANY_BOXES) more += (int64_t)(boxes - MANY_BOXES) * (ONE / 2) / MANY_BOXES;
+    for (; boxes > 4 * MANY_BOXES; boxes /= 2) more += ONE / 2;
+    if (boxes > 2 * MANY_BOXES) more += (int64_t)(boxes - 2 * MANY_BOXES) * (ONE / 4) / MANY_BOXES;
     return ONE + more;
 }
 

@@ -276,6 +276,7 @@ size_t msap_grid_find(const struct grid *g, struct worker *w, uint32_t self, int
         spot_of(other, a.fat, &there);
         if (!find_on_others(&a, w, other, LEVELS, &there, &n)) return SIZE_MAX;
     }
+    for (size_t i = 0; i < n; i++) prefetch(&g->boxes->at[w->found[i]]);
     return g->is_resting ? msap_rest_find(g, w, a.fat, is_static, BOX_LIVE | BOX_WAS, n) : n;
 }
 

@@ -163,7 +163,7 @@ struct box {
 };
 
 /* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */
-enum { MANY_BOXES = 65536 };
+enum { MANY_BOXES = 32768 };
 
 /* Bounds of boxes, by slot, so many bytes apart: of those boxes that have all of the flags. */
 struct bounds_by_slot {

@@ -179,13 +179,16 @@ static int join(struct grid *g, const struct job *job, const struct region *own,
 }
 
 /* Tags those of n boxes found that are near. */
-static void tag_near(struct worker *w, const struct box *box, uint32_t slot, size_t n)
+static void tag_near(struct worker *w, const struct near_list *of, const struct box *box, uint32_t slot, size_t n)
 {
     msap_worker_new_token(w);
     const struct box self = box[slot];
     const uint32_t *found = w->found, token = w->token;
     uint32_t *tag = w->tag;
-    for (size_t i = 0; i < n; i++) tag[found[i]] = overlap(&self.fat, &box[found[i]].fat) ? token : tag[found[i]];
+    for (size_t i = 0; i < n; i++) {
+        tag[found[i]] = overlap(&self.fat, &box[found[i]].fat) ? token : tag[found[i]];
+        prefetch(&of[found[i]]);
+    }
     tag[slot] = token + 1; /* it finds itself */
 }
 
@@ -197,7 +200,7 @@ static int renew_list(struct grid *g, const struct job *job, const struct region
     struct worker *w = job->worker;
     size_t n = msap_grid_find(g, w, slot, is_static(&job->boxes->at[slot]), spot);
     if (n == SIZE_MAX) return 0;
-    tag_near(w, job->boxes->at, slot, n);
+    tag_near(w, g->near.of, job->boxes->at, slot, n);
     if (!part_from_old(g, job, own, slot)) return 0;
     for (size_t i = 0; i < n; i++) {
         uint32_t other = w->found[i];
@@ -221,13 +224,11 @@ int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 
 /* ------------------------------------------------------------------ the whole */
 
-/* Where there are many boxes, fetches n of them with their lists, which no other worker may be changing, and
- * their neighbours. */
+/* Fetches n boxes with their lists, which no other worker may be changing, and their neighbours. */
 static void fetch(const struct grid *g, const uint32_t *slot, size_t n)
 {
     const struct box_table *t = g->boxes;
     const struct near_list *of = g->near.of;
-    if (t->used <= MANY_BOXES) return;
     for (size_t i = 0; i < n; i++) {
         prefetch(&t->at[slot[i]]);
         prefetch(&t->past[slot[i]]);
@@ -238,6 +239,29 @@ static void fetch(const struct grid *g, const uint32_t *slot, size_t n)
         for (uint32_t k = 0; k < of[slot[i]].n; k++) prefetch(&t->at[near_slot(of[slot[i]].at[k])]);
 }
 
+/* Where there are many boxes, fetches the cells that n of them are in, and then what these hold. */
+static void fetch_cells(const struct grid *g, const uint32_t *slot, size_t n)
+{
+    uint32_t cell[MOVES_AT_ONCE][MOST_CELLS], cells[MOVES_AT_ONCE];
+    if (g->boxes->used <= MANY_BOXES) return;
+    for (size_t i = 0; i < n; i++) {
+        const struct box *b = &g->boxes->at[slot[i]];
+        cells[i] = 0;
+        if (b->level == NO_LEVEL) continue;
+        const struct layout *l = &g->layout[b->layout];
+        struct range base = range_of(l, &b->fat);
+        struct span span = span_on(l, &base, b->level);
+        cells[i] = cells_of(l, &span, cell[i]);
+        for (uint32_t k = 0; k < cells[i]; k++) prefetch(&l->cell[cell[i][k]]);
+    }
+    for (size_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < cells[i]; k++) {
+            const struct cell *c = &g->layout[g->boxes->at[slot[i]].layout].cell[cell[i][k]];
+            prefetch(c->block->low);
+            prefetch(c->block->id);
+        }
+}
+
 /* Moves those of n boxes that wait. Returns 0 without memory; a worker moves those that it may, and
  * returns 1. */
 int msap_move_few(struct grid *g, const struct job *job, const struct region *own, const uint32_t *slot,
@@ -245,6 +269,7 @@ int msap_move_few(struct grid *g, const struct job *job, const struct region *ow
 {
     struct spot spot[MOVES_AT_ONCE];
     if (!own) fetch(g, slot, n);
+    if (!own) fetch_cells(g, slot, n);
     for (size_t i = 0; i < n; i++) {
         if (state[i] != MOVE_WAITS) continue;
         if (own ? place_own(g, own, slot[i], &spot[i]) : place(g, job, slot[i], &spot[i])) state[i] = MOVE_PLACED;

@@ -130,19 +130,31 @@ static void create_pair(struct pair_table *t, const struct box_table *boxes, uin
     p->user_data = NULL;
 }
 
+/* Fetches what deleting the pair of a key will look up: soon, and then, when that is there, next. */
+static void fetch_soon(const struct pair_table *t, uint64_t key) { prefetch(&t->first[home(t, key)]); }
+static void fetch_next(const struct pair_table *t, uint64_t key)
+{
+    uint32_t index = t->first[home(t, key)];
+    if (index == NONE) return;
+    prefetch(&t->at[index]);
+    prefetch(&t->next[index]);
+}
+
 /* Applies sorted events for which there is room. */
 void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const struct keys *fresh,
                       const struct keys *doomed)
 {
-    enum { AHEAD = 12 };
+    enum { AHEAD = 24, NEXT = 12 };
     for (size_t i = doomed->n; i-- > 0;) { /* the first ends up first */
-        if (i >= AHEAD) prefetch(&t->first[home(t, doomed->at[i - AHEAD])]);
+        if (i >= AHEAD) fetch_soon(t, doomed->at[i - AHEAD]);
+        if (i >= AHEAD && t->active > AHEAD) fetch_soon(t, pair_key_at(t, (uint32_t)t->active - AHEAD));
+        if (i >= NEXT) fetch_next(t, doomed->at[i - NEXT]);
         delete_pair(t, doomed->at[i]);
     }
     if (fresh->n > 0) memmove(t->at + t->active + fresh->n, t->at + t->active, doomed->n * sizeof *t->at);
     for (size_t i = 0; i < fresh->n; i++) {
         if (fresh->n - i > AHEAD) {
-            prefetch(&t->first[home(t, fresh->at[i + AHEAD])]);
+            fetch_soon(t, fresh->at[i + AHEAD]);
             prefetch(&boxes->at[(uint32_t)fresh->at[i + AHEAD]].generation);
         }
         create_pair(t, boxes, fresh->at[i]);

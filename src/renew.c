@@ -283,7 +283,7 @@ static int install(struct grid *g, struct job *job)
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
     /* It holds half as much as all else. But where skins do not last it is soon needed again. */
-    if (t->used > MANY_BOXES && !g->renewal.is_told) msap_renewal_free(&g->renewal, job->memory);
+    if (t->used > 2 * MANY_BOXES && !g->renewal.is_told) msap_renewal_free(&g->renewal, job->memory);
     return done;
 }
 

@@ -44,14 +44,15 @@ static size_t keep_resting(const struct grid *g, const struct row_question *q, u
     return n;
 }
 
-/* Asks a row. */
+/* Asks a row. What is found is fetched, and is looked at when all rows have been asked. */
 static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
 {
     const struct grid *g = context;
     struct row_sweep at = {.i = first_that_reaches(&g->row_set, row, q->min[0]), .end = g->row_set.end[row]};
     while (at.i < at.end) {
         if (!msap_worker_room_to_find(w, n, ENTRIES_ASKED)) return SIZE_MAX;
-        n = keep_resting(g, q, w->found, n, n + g->sweeps.ask_row(&g->row_set, q, &at, w->found + n));
+        size_t end = n + g->sweeps.ask_row(&g->row_set, q, &at, w->found + n);
+        for (; n < end; n++) prefetch(&g->boxes->at[w->found[n]]);
     }
     return n;
 }
@@ -63,7 +64,8 @@ size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bound
                       uint32_t flags, size_t n)
 {
     struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint16_t)flags, .where = where};
-    return msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
+    size_t end = msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
+    return end == SIZE_MAX ? SIZE_MAX : keep_resting(g, &q, w->found, n, end);
 }
 
 /* ------------------------------------------------------------ going elsewhere */

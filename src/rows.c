@@ -183,7 +183,7 @@ static inline void list_in_few(const struct rows *r, const struct row_range *ran
 /* Names the boxes of each row, in their order. */
 static void list_rows(const struct pruning *j)
 {
-    enum { AHEAD = 8 };
+    enum { AHEAD = 24 };
     const struct rows rows_now = *j->rows, *r = &rows_now;
     uint32_t *id = j->set->id, *end = j->end;
     for (size_t i = 0; i < j->n; i++) {
@@ -199,7 +199,7 @@ static void list_rows(const struct pruning *j)
 /* Writes the bounds of entries first ... last - 1. */
 static void fill_rows(void *context, struct worker *w, size_t first, size_t last)
 {
-    enum { AHEAD = 8 };
+    enum { AHEAD = 24 };
     const struct pruning *j = context;
     const uint32_t *axis = j->rows->axis, *id = j->set->id;
     int32_t *min[3], *max[3]; /* by axis of the boxes */

@@ -39,12 +39,32 @@ struct part {
     uint32_t first, more;
 };
 
+/* Whether the boxes of a batch lie here and there in the table instead of one behind the other, as they
+ * mostly do: by some of them. */
+static int are_scattered(const msap_handle *handles, size_t k)
+{
+    enum { SAMPLES = 16, NEAR = 4 };
+    size_t step = k / SAMPLES + 1, n = 0, far = 0;
+    for (size_t i = 0; i + 1 < k; i += step, n++) far += slot_of(handles[i + 1]) - slot_of(handles[i]) > NEAR;
+    return far > n / 2;
+}
+
+/* Fetches what an update of a box will change. */
+static inline void fetch(const struct box_table *t, uint32_t slot)
+{
+    if (slot >= t->used) return;
+    prefetch(&t->at[slot]);
+    prefetch(&t->past[slot]);
+}
+
 /* Updates the boxes of a plain batch in a part of the slots, from the i-th of the batch on, as long as
  * each is live, was not changed yet and gets legal bounds: nearly always all of them, so all that loops
  * need not ask is asked before. Returns the first that is not such a box. */
-static inline size_t update_plain(struct box_table *table, const struct part *part, const msap_handle *handles,
-                                  const msap_boxes *from, size_t i, size_t k, uint32_t dims)
+static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct part *part,
+                                         const msap_handle *handles, const msap_boxes *from, size_t i, size_t k,
+                                         uint32_t dims, int scattered)
 {
+    enum { AHEAD = 24 };
     struct box_table t = *table;
     const struct part own = *part;
     const ptrdiff_t row_min = from->min_row, row_max = from->max_row;
@@ -52,6 +72,7 @@ static inline size_t update_plain(struct box_table *table, const struct part *pa
                *max = (const char *)from->max + (ptrdiff_t)i * row_max;
     for (; i < k; i++, min += row_min, max += row_max) {
         uint32_t slot = slot_of(handles[i]);
+        if (scattered && k - i > AHEAD) fetch(&t, slot_of(handles[i + AHEAD]));
         if (slot - own.first > own.more) continue;
         struct box *b = box_find(&t, handles[i], BOX_LIVE);
         int is_within;
@@ -70,12 +91,21 @@ static inline size_t update_plain(struct box_table *table, const struct part *pa
     return i;
 }
 
-/* The same in a world of 2 or 3 axes. */
+/* The same in a world of 2 or 3 axes, some boxes after others. */
 static size_t update_part(struct box_table *t, const struct part *part, const msap_handle *handles,
                           const msap_boxes *from, size_t i, size_t k, uint32_t dims)
 {
-    return dims == 3 ? update_plain(t, part, handles, from, i, k, 3)
-                     : update_plain(t, part, handles, from, i, k, 2);
+    enum { SOME = 256 };
+    size_t end = i;
+    while (i == end && i < k) {
+        end = k - i < SOME ? k : i + SOME;
+        int scattered = are_scattered(handles + i, end - i);
+        if (dims == 3 && scattered) i = update_plain(t, part, handles, from, i, end, 3, 1);
+        else if (dims == 3) i = update_plain(t, part, handles, from, i, end, 3, 0);
+        else if (scattered) i = update_plain(t, part, handles, from, i, end, 2, 1);
+        else i = update_plain(t, part, handles, from, i, end, 2, 0);
+    }
+    return i;
 }
 
 /* -------------------------------------------------------------------- shared */
