@@ -197,14 +197,20 @@ static inline int encode(lanes min, lanes max, struct bounds *out)
     return put_encoded(encode_lanes(min), encode_lanes(max), out);
 }
 
-/* The same; *is_within becomes whether the bounds are within `outer`. */
+/* The same; *is_within becomes whether the bounds are within `outer`, which is legal. If they are, no NaN is
+ * among them. */
 static inline int encode_within(lanes min, lanes max, const struct bounds *outer, struct bounds *out,
                                 int *is_within)
 {
     min = encode_lanes(min);
     max = encode_lanes(max);
-    *is_within = none_above(load_bounds(outer->min), min, max, load_bounds(outer->max));
-    return put_encoded(min, max, out);
+    lanes outside = _mm_or_si128(_mm_cmpgt_epi32(load_bounds(outer->min), min),
+                                 _mm_cmpgt_epi32(max, load_bounds(outer->max)));
+    *is_within = !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(outside, _mm_cmpgt_epi32(min, max)))) & 7);
+    if (!*is_within) return put_encoded(min, max, out);
+    store_lanes(out->min, min);
+    store_lanes(out->max, max);
+    return 1;
 }
 
 #else
