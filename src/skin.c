@@ -310,7 +310,7 @@ float msap_skin_lifetime(const struct grid *g, uint32_t slot)
 }
 
 /* A box that comes into the grid has no past to learn from. Unless a margin is given or
- * it is static, it gets a skin for its motion or, if it has none yet, up to a quarter of
+ * it is static, it gets a skin for its motion or, if it has none yet, up to three eighths of
  * its size on all sides: of all widths, so that boxes that are put in together and then
  * start to move do not all leave their first skins in one commit. */
 void msap_skin_first(const struct grid *g, uint32_t slot)
@@ -324,7 +324,7 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
     b->fat = b->now;
     if (b->flags & BOX_STATIC) return;
     struct motion m = motion_of(g, slot);
-    float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) / 2;
+    float part = spread(slot, g->commit), aside = m.size * (part - 0.5f) * 3 / 4;
     if (m.step > 0) follow(b, &m, part);
     else if (aside < FAR) reach_out(&b->now, &b->fat, &m, 0, aside, 0);
 }

@@ -64,7 +64,7 @@ static msap_world *sound_world(int row)
     commit(world, 0, 0, 3);
     add(world, cube(60, 61));
     ok(msap_remove(world, (msap_handle)REMOVED << 32 | 1));
-    update(world, (msap_handle)MIDDLE << 32 | 1, cube(1, 6));
+    update(world, (msap_handle)MIDDLE << 32 | 1, cube(1, 7)); /* further than any skin */
     ok(msap_validate(world, NULL));
     return world;
 }
