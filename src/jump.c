@@ -121,16 +121,6 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
     msap_rows_sweep(j->pruning.set, j->pruning.rows, j->grid->sweeps.row, first, last, take, j, w);
 }
 
-/* Takes a pair, or candidate, of which one box is wide. */
-static void take_pair(const struct jump *j, struct worker *w, uint32_t a, uint32_t b)
-{
-    const struct box *box = j->job->boxes->at;
-    int is = !j->has_skins || overlap(&box[a].now, &box[b].now);
-    if (j->has_skins) msap_worker_put(w, (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0));
-    if (j->is_comparing) msap_worker_put(w, pair_key(a, b));
-    else if (is) settle_found(&w->settler, a, b);
-}
-
 /* The bounds by which a box is pruned. */
 static struct readable bounds_of(const struct jump *j, uint32_t slot)
 {
@@ -144,33 +134,49 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
     const struct jump *j = context;
     const struct row_set *set = j->pruning.set;
     uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
+    struct pair_buffer taken;
     struct row_sweep at = {.i = row_start(set, row), .end = set->end[row]};
     while (at.i < at.end) {
         size_t more = j->grid->sweeps.ask_row(set, q, &at, found);
+        taken.n = 0;
         for (size_t i = 0; i < more; i++) {
-            if (w->tag[found[i]] != w->token) take_pair(j, w, q->self, found[i]);
+            taken.a[taken.n] = q->self;
+            taken.b[taken.n] = found[i];
+            taken.n += w->tag[found[i]] != w->token;
             w->tag[found[i]] = w->token;
         }
+        take(j, w, &taken);
         n += more;
     }
     return n;
+}
+
+/* Tests a wide box against those before it. */
+static void test_wide_ones(const struct jump *j, struct worker *w, size_t i, const struct bounds *own)
+{
+    const struct box *box = j->job->boxes->at;
+    const uint32_t *wide = j->pruning.wide;
+    struct pair_buffer taken;
+    taken.n = 0;
+    for (size_t k = 0; k < i; k++) {
+        const struct readable other = bounds_of(j, wide[k]);
+        taken.a[taken.n] = wide[i];
+        taken.b[taken.n] = wide[k];
+        taken.n += overlap(own, &other.bounds) && !(box[wide[i]].flags & box[wide[k]].flags & BOX_STATIC);
+    }
+    take(j, w, &taken);
 }
 
 /* Tests wide boxes first ... last - 1 against those before and against all rows. */
 static void test_wide(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    const struct box *box = j->job->boxes->at;
     const uint32_t *wide = j->pruning.wide;
     for (size_t i = first; i < last; i++) {
         const struct readable own = bounds_of(j, wide[i]);
-        uint32_t is_static = box[wide[i]].flags & BOX_STATIC;
+        uint32_t is_static = j->job->boxes->at[wide[i]].flags & BOX_STATIC;
         const struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .self = wide[i]};
-        for (size_t k = 0; k < i; k++) {
-            const struct readable other = bounds_of(j, wide[k]);
-            if (overlap(&own.bounds, &other.bounds) && !(is_static & box[wide[k]].flags))
-                take_pair(j, w, wide[i], wide[k]);
-        }
+        test_wide_ones(j, w, i, &own.bounds);
         msap_worker_new_token(w);
         w->settler.touched += i + msap_rows_ask(j->pruning.rows, &own.bounds, &q, ask_row, j, w, 0);
     }
