@@ -204,8 +204,8 @@ static inline int encode_within(lanes min, lanes max, const struct bounds *outer
 {
     min = encode_lanes(min);
     max = encode_lanes(max);
-    lanes outside = _mm_or_si128(_mm_cmpgt_epi32(load_bounds(outer->min), min),
-                                 _mm_cmpgt_epi32(max, load_bounds(outer->max)));
+    lanes outside =
+        _mm_or_si128(_mm_cmpgt_epi32(load_bounds(outer->min), min), _mm_cmpgt_epi32(max, load_bounds(outer->max)));
     *is_within = !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(outside, _mm_cmpgt_epi32(min, max)))) & 7);
     if (!*is_within) return put_encoded(min, max, out);
     store_lanes(out->min, min);

@@ -10,7 +10,14 @@
  * axes, towers one over one, and crowds in a cube one over three. */
 #include "cells.h"
 
-enum { SAMPLES = 128, FEW_SAMPLES = 32, BOXES_A_CELL = 8, CROWDED = 24, LEAST_EXPONENT = -96, MOST_EXPONENT = 128 };
+enum {
+    SAMPLES = 128,
+    FEW_SAMPLES = 32,
+    BOXES_A_CELL = 8,
+    CROWDED = 24,
+    LEAST_EXPONENT = -96,
+    MOST_EXPONENT = 128
+};
 
 double msap_power_of_two(int exponent)
 {

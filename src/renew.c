@@ -224,7 +224,7 @@ static int find_candidates(struct grid *g, struct job *job)
  * memory. */
 static int change_over(struct grid *g, struct job *job)
 {
-    enum { SHARE = 8, COMMITS = 256 }; /* so many boxes are expected in cells; and the layout is old */
+    enum { SHARE = 2, COMMITS = 256 }; /* of the boxes, that may come to be in cells; and the layout is old */
     struct renewal *r = &g->renewal;
     struct layout *l = &g->layout[g->current];
     const struct row_set set = g->row_set;

@@ -93,7 +93,7 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
 
 /* The same in a world of 2 or 3 axes, some boxes after others. */
 static ALWAYS_INLINE size_t update_part(struct box_table *t, const struct part *part, const msap_handle *handles,
-                          const msap_boxes *from, size_t i, size_t k, uint32_t dims)
+                                        const msap_boxes *from, size_t i, size_t k, uint32_t dims)
 {
     enum { SOME = 256 };
     size_t end = i;
