@@ -1,0 +1,131 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: a world that outgrows caches, in which much is fetched before it is looked at, answers as a small one:
+ * boxes that all move, that move now and then, and that go elsewhere at once. There are too many for brute force,
+ * so they stand where it is known who overlaps: two at each place, which come together and part. It looks behind
+ * the interface for how many boxes are many.
+ */
+#define box inner_box /* the tests have a struct of that name */
+#include "../../src/internal.h"
+#undef box
+#include "checks.h"
+
+enum { PLACES = MANY_BOXES / 2 + 1000, BOXES = 2 * PLACES, LINE = 32, APART = 8 };
+
+/* Box i stands at place i / 2, the odd one so far to the right of the other. In a batch boxes stand in another order
+ * than in the table. */
+typedef struct scene {
+    msap_world *world;
+    msap_handle handles[BOXES], batch[BOXES];
+    box bounds[BOXES], batch_bounds[BOXES];
+    float offset[PLACES];
+    size_t n; /* in the batch */
+} scene;
+
+static scene many;
+
+static box bounds_of_box(int i, float shift)
+{
+    int place = i / 2;
+    float x = (float)(place % LINE * APART) + shift + (i % 2 ? many.offset[place] : 0);
+    float y = (float)(place / LINE % LINE * APART), z = (float)(place / LINE / LINE * APART);
+    return box_of(x, y, z, x + 1, y + 1, z + 1);
+}
+
+static void put_into_batch(int i, float shift)
+{
+    many.batch[many.n] = many.handles[i];
+    many.batch_bounds[many.n++] = bounds_of_box(i, shift);
+}
+
+static void commit_batch(void)
+{
+    msap_boxes boxes = boxes_in_row(many.batch_bounds);
+    ok(msap_update_many(many.world, many.n, many.batch, &boxes));
+    ok(msap_commit(many.world, NULL, NULL));
+    many.n = 0;
+}
+
+/* Exactly the boxes of a place are a pair that are no more than their width apart. */
+static void has_its_pairs(void)
+{
+    const msap_pair *pairs;
+    size_t count, expected = 0;
+    ok(msap_pairs(many.world, &pairs, &count));
+    for (int place = 0; place < PLACES; place++) expected += many.offset[place] <= 1;
+    ck_assert_uint_eq(count, expected);
+    for (size_t k = 0; k < count; k++) {
+        size_t a = pairs[k].a >> 32, b = pairs[k].b >> 32; /* the slots, in which box 0 ... stand */
+        if (a / 2 != b / 2 || many.offset[a / 2] > 1) ck_abort_msg("%zu and %zu are a pair", a, b);
+    }
+}
+
+static void load(void)
+{
+    msap_config config = config_of(3, DEFAULT);
+    msap_boxes boxes = boxes_in_row(many.bounds);
+    uint64_t random = 3;
+    for (int place = 0; place < PLACES; place++) many.offset[place] = (float)random_below(&random, 48) / 16;
+    for (int i = 0; i < BOXES; i++) many.bounds[i] = bounds_of_box(i, 0);
+    many.n = 0;
+    ok(msap_create(&config, &many.world));
+    ok(msap_add_many(many.world, BOXES, &boxes, NULL, NULL, many.handles));
+    ok(msap_commit(many.world, NULL, NULL));
+    has_its_pairs();
+}
+
+static void leave(void)
+{
+    ok(msap_validate(many.world, NULL));
+    ok(msap_destroy(many.world));
+}
+
+/* The k-th box in an order in which none stands beside its neighbours in the table. */
+static int scattered(int k) { return (int)((uint64_t)k * 7919 % BOXES); }
+
+START_TEST(all_drift)
+{
+    load();
+    for (int frame = 1; frame <= 30; frame++) {
+        for (int place = 0; place < PLACES; place++) {
+            float *offset = &many.offset[place];
+            *offset += (float)(place % 5 - 2) / 64;
+            if (*offset < 0 || *offset > 3) *offset = 1;
+        }
+        for (int k = 0; k < BOXES; k++) put_into_batch(frame % 2 ? k : scattered(k), (float)frame / 32);
+        commit_batch();
+        has_its_pairs();
+    }
+    ck_assert(many.world->grid.in_skins);
+    leave();
+}
+END_TEST
+
+/* In each frame others of some come together or part, by much or by little. */
+START_TEST(some_move)
+{
+    uint64_t random = 5;
+    load();
+    for (int frame = 0; frame < 30; frame++) {
+        for (int k = 0; k < 300; k++) {
+            int place = (int)random_below(&random, 900) * 37 % PLACES;
+            many.offset[place] = frame % 3 ? (float)random_below(&random, 48) / 16 : many.offset[place];
+            many.offset[place] += many.offset[place] < 2 ? 1.0f / 64 : 0;
+            put_into_batch(2 * place + 1, 0);
+        }
+        commit_batch();
+        has_its_pairs();
+    }
+    ck_assert(many.world->grid.is_resting && !many.world->grid.in_skins);
+    leave();
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("many boxes");
+    tcase_add_test(tests, all_drift);
+    tcase_add_test(tests, some_move);
+    return run_case(tests, "many boxes");
+}
