@@ -456,6 +456,36 @@ START_TEST(very_many_boxes)
 }
 END_TEST
 
+/* When those that rested no more have gone far away or come back, other cells suit the boxes. However often that
+ * is, there are not more and more of them. */
+START_TEST(cells_follow_and_stay_few)
+{
+    enum { ALL = 300, STATIC = 270, COMMITS = 20, ROUNDS = 20 };
+    loaded l;
+    uint64_t chosen = 0;
+    open_level(&l, DEFAULT, 3, SCENE_SPREAD);
+    put_floor(&l, ALL, STATIC);
+    step(&l);
+    for (int frame = 0; frame < ROUNDS * COMMITS; frame++) {
+        const struct layout *now = &l.s.world->grid.layout[l.s.world->grid.current];
+        uint32_t chosen_at = now->chosen_at;
+        for (int i = STATIC; i < ALL; i++) { /* a few in a commit go or come back */
+            float far = (frame + i % 15) / COMMITS % 2 ? 4096 : 0, jitter = (float)(frame % 2) / 4;
+            float x = (float)(i % 30) + far + jitter, y = (float)(i / 30) + far;
+            l.bounds[i] = box_of(x, y, 0, x + 1, y + 1, 1);
+            right(session_update(&l.s, l.handles[i], &l.bounds[i]));
+        }
+        step(&l);
+        now = &l.s.world->grid.layout[l.s.world->grid.current];
+        chosen += now->chosen_at != chosen_at;
+        if (now->n_cells > 2 * ALL) ck_abort_msg("%zu cells", now->n_cells);
+    }
+    ck_assert(l.s.world->grid.is_resting);
+    ck_assert_uint_ge(chosen, ROUNDS / 2);
+    right(session_close(&l.s));
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("resting");
@@ -469,6 +499,7 @@ int main(void)
     tcase_add_loop_test(tests, two_that_rested_together, 0, SETUPS);
     tcase_add_loop_test(tests, many_go, 0, SETUPS);
     tcase_add_test(tests, broken_rows);
+    tcase_add_test(tests, cells_follow_and_stay_few);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
     tcase_add_loop_test(tests, very_many_boxes, 0, SETUPS);
     return run_case(tests, "resting");
