@@ -17,7 +17,8 @@
 #include <emmintrin.h>
 #endif
 
-/* A function that is made anew wherever it is called, by constants that are told there. */
+/* A function that is made anew wherever it is called: it knows constants that are told there, and what it returns
+ * need not be stored. */
 #if defined(__GNUC__)
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 #else

@@ -117,7 +117,7 @@ static inline __m128i way_of(const struct grid *g, uint32_t slot)
     return _mm_srai_epi32(_mm_slli_epi32(way, 16), 16);
 }
 
-static inline struct motion motion_of(const struct grid *g, uint32_t slot)
+static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
@@ -154,8 +154,8 @@ static inline __m128i three_ordered(__m128 values, int32_t units)
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
  * in the last place. */
-static inline void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m, float horizon,
-                             float aside, int32_t units)
+static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m,
+                                    float horizon, float aside, int32_t units)
 {
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
@@ -186,7 +186,7 @@ static int32_t way_of(const struct grid *g, uint32_t slot, int k)
     return (int32_t)way - (way > 0x7fff ? 0x10000 : 0);
 }
 
-static inline struct motion motion_of(const struct grid *g, uint32_t slot)
+static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
