@@ -155,6 +155,7 @@ void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const
     for (size_t i = 0; i < fresh->n; i++) {
         if (fresh->n - i > AHEAD) {
             fetch_soon(t, fresh->at[i + AHEAD]);
+            prefetch(&boxes->at[fresh->at[i + AHEAD] >> 32].generation);
             prefetch(&boxes->at[(uint32_t)fresh->at[i + AHEAD]].generation);
         }
         create_pair(t, boxes, fresh->at[i]);
