@@ -237,13 +237,16 @@ static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, uint
 }
 
 /* Before skins are made for motion for the first time: chooses for how many commits, `most` or fewer, it is best.
- * Returns what each of them would cost. */
+ * Such as are renewed at once count for somewhat more, since then some commits take long. Returns what each commit
+ * would cost. */
 static int64_t choose_horizon(struct grid *g, const struct job *job, uint32_t most)
 {
+    enum { STALLS = 16 };
     static const uint32_t horizon[] = {HORIZON_SHORT, 4, 6, 8, IN_STEPS, 16, 24, 32, 48, HORIZON_MOST};
     int64_t best = INT64_MAX;
     for (size_t i = 0; i < sizeof horizon / sizeof *horizon && horizon[i] <= most; i++) {
         int64_t upkeep = foreseen_upkeep(g, job, horizon[i]);
+        if (!is_in_steps(horizon[i])) upkeep += upkeep / STALLS;
         if (upkeep < best) g->upkeep.horizon = horizon[i];
         if (upkeep < best) best = upkeep;
     }
