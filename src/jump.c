@@ -140,10 +140,10 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
         size_t more = j->grid->sweeps.ask_row(set, q, &at, found);
         taken.n = 0;
         for (size_t i = 0; i < more; i++) {
-            taken.a[taken.n] = q->self;
-            taken.b[taken.n] = found[i];
-            taken.n += w->tag[found[i]] != w->token;
+            if (w->tag[found[i]] == w->token) continue;
             w->tag[found[i]] = w->token;
+            taken.a[taken.n] = q->self;
+            taken.b[taken.n++] = found[i];
         }
         take(j, w, &taken);
         n += more;
@@ -160,9 +160,9 @@ static void test_wide_ones(const struct jump *j, struct worker *w, size_t i, con
     taken.n = 0;
     for (size_t k = 0; k < i; k++) {
         const struct readable other = bounds_of(j, wide[k]);
+        if (!overlap(own, &other.bounds) || (box[wide[i]].flags & box[wide[k]].flags & BOX_STATIC)) continue;
         taken.a[taken.n] = wide[i];
-        taken.b[taken.n] = wide[k];
-        taken.n += overlap(own, &other.bounds) && !(box[wide[i]].flags & box[wide[k]].flags & BOX_STATIC);
+        taken.b[taken.n++] = wide[k];
     }
     take(j, w, &taken);
 }
