@@ -64,15 +64,21 @@ static void look(const struct box_table *boxes, const struct bounds_by_slot *bou
     s->extent = unsorted(centre[n - 1 - n / 50]) - unsorted(centre[n / 50]) + s->size;
 }
 
+static void spread_by(const struct box_table *boxes, const struct bounds_by_slot *bounds, size_t samples,
+                      struct spread s[3])
+{
+    for (uint32_t k = 0; k < 3; k++) look(boxes, bounds, samples, k, &s[k]);
+}
+
 void msap_spread_of(const struct box_table *boxes, const struct bounds_by_slot *bounds, struct spread s[3])
 {
-    for (uint32_t k = 0; k < 3; k++) look(boxes, bounds, SAMPLES, k, &s[k]);
+    spread_by(boxes, bounds, SAMPLES, s);
 }
 
 static void spread_now(const struct box_table *boxes, size_t samples, struct spread s[3])
 {
     const struct bounds_by_slot now = bounds_now(boxes);
-    for (uint32_t k = 0; k < 3; k++) look(boxes, &now, samples, k, &s[k]);
+    spread_by(boxes, &now, samples, s);
 }
 
 double msap_cells_on(const struct spread *s)

@@ -43,7 +43,7 @@ struct part {
  * mostly do: by some of them. */
 static int are_scattered(const msap_handle *handles, size_t k)
 {
-    enum { SAMPLES = 16, NEAR = 4 };
+    enum { SAMPLES = 8, NEAR = 4 };
     size_t step = k / SAMPLES + 1, n = 0, far = 0;
     for (size_t i = 0; i + 1 < k; i += step, n++) far += slot_of(handles[i + 1]) - slot_of(handles[i]) > NEAR;
     return far > n / 2;
