@@ -10,6 +10,7 @@
 BUILD ?= build
 CFLAGS ?= -O2 -g
 PREFIX ?= /usr/local
+REFERENCE_FLAGS ?= -O3
 .DEFAULT_GOAL := all
 
 # ------------------------------------------------------------------- sources
@@ -144,7 +145,7 @@ test-build: ## test the build itself: lists, symbols, headers, installation
 asan test-asan: ## run the tests with the address and undefined-behaviour sanitizers
 	@CK_FORK=no ASAN_OPTIONS=detect_leaks=0 $(MAKE) -k -O --no-print-directory BUILD=$(BUILD)/asan LDFLAGS='$(LDFLAGS)' \
 	    CFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
-	    REFERENCE_FLAGS='-O2 -fno-sanitize=all' \
+	    REFERENCE_FLAGS='-O3 -fno-sanitize=all' \
 	    test-unit test-differential test-command test-examples
 
 # A Python that has pytest: the one in PATH, or Debian's own.

@@ -17,7 +17,7 @@
 
 static void sort_events(struct keys *events, struct scratch *scratch, struct memory *m)
 {
-    msap_sort_keys(events->at, events->n, events->n > 0 ? msap_scratch_get(scratch, m, events->room) : NULL);
+    msap_sort_keys(events->at, events->n, events->n > 0 ? msap_scratch_get(scratch, m, events->n) : NULL);
     events->n = msap_unique_keys(events->at, events->n);
 }
 
@@ -78,7 +78,6 @@ static msap_status reserve_events(msap_world *w)
     int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) &&
                    msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) &&
                    msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active);
-    msap_scratch_get(&w->scratch, &w->memory, larger_of(s->fresh.room, s->doomed.room));
     return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
 
@@ -88,7 +87,7 @@ static void give_up(msap_world *w)
     w->stale = 1;
     msap_crew_trim(&w->crew, &w->memory, w->boxes.used, w->pairs.most_active);
     msap_renewal_free(&w->grid.renewal, &w->memory);
-    msap_memory_resize(&w->memory, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
+    msap_scratch_free(&w->scratch, &w->memory);
 }
 
 /* Steps 1 to 4. */

@@ -164,6 +164,8 @@ struct box {
 
 /* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */
 enum { MANY_BOXES = 32768 };
+/* From so many on, what is worked in now and then is given back after it. */
+enum { VERY_MANY_BOXES = 2 * MANY_BOXES };
 
 /* Bounds of boxes, by slot, so many bytes apart: of those boxes that have all of the flags. */
 struct bounds_by_slot {
@@ -453,6 +455,7 @@ struct scratch {
     size_t room;
 };
 void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words);
+void msap_scratch_free(struct scratch *s, struct memory *m);
 #define SCRATCH_WORDS(slots) (4 * (slots) + 4) /* enough for most that is done to all boxes of a single SAP */
 #define GRID_WORDS(slots) (3 * (slots) + (slots) / 4 + 4) /* and to those of a grid */
 

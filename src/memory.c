@@ -114,3 +114,8 @@ void *msap_scratch_get(struct scratch *s, struct memory *m, size_t words)
 {
     return msap_memory_reserve(m, &s->at, &s->room, words, 0, sizeof *s->at) ? s->at : NULL;
 }
+
+void msap_scratch_free(struct scratch *s, struct memory *m)
+{
+    msap_memory_resize(m, &s->at, &s->room, 0, 0, sizeof *s->at);
+}

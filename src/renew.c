@@ -268,6 +268,16 @@ static void put_on(struct grid *g, struct box_table *t, int are_new)
     }
 }
 
+/* What a renewal works in holds half as much as all else, and the first candidates took several times as much as
+ * others do. But where skins do not last it is soon needed again. */
+static void give_back(struct grid *g, struct job *job)
+{
+    struct keys *c = &g->candidates;
+    msap_renewal_free(&g->renewal, job->memory);
+    msap_scratch_free(job->scratch, job->memory);
+    if (c->room / 2 > c->n + c->n / 8) msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
+}
+
 /* Returns 0 without memory. */
 static int install(struct grid *g, struct job *job)
 {
@@ -282,8 +292,7 @@ static int install(struct grid *g, struct job *job)
                                         msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
-    /* It holds half as much as all else. But where skins do not last it is soon needed again. */
-    if (t->used > 2 * MANY_BOXES && !g->renewal.is_told) msap_renewal_free(&g->renewal, job->memory);
+    if (t->used > VERY_MANY_BOXES && !g->renewal.is_told) give_back(g, job);
     return done;
 }
 

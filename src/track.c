@@ -240,9 +240,16 @@ static int track_in_skins(struct grid *g, struct job *job, size_t misplaced, int
     return msap_place_all(g, job, slot, n) && msap_candidates_find(g, job, slot, n);
 }
 
+/* Few boxes will be worked on from now on. */
+static void give_scratch_back(const struct job *job)
+{
+    if (job->boxes->used > VERY_MANY_BOXES) msap_scratch_free(job->scratch, job->memory);
+}
+
 /* After a jump: boxes rest from now on, but for n. Returns 0 without memory. */
 static int begin_resting(struct grid *g, struct job *job, size_t n)
 {
+    give_scratch_back(job);
     return msap_rest_begin(g, job, n) && move_all(g, job, g->wide, g->n_wide, NULL);
 }
 
@@ -254,6 +261,7 @@ static int rest_without_skins(struct grid *g, struct job *job)
     size_t in_cells = g->layout[0].boxes + g->layout[1].boxes;
     msap_keys_free(&g->candidates, job->memory);
     msap_renewal_free(&g->renewal, job->memory);
+    give_scratch_back(job);
     g->in_skins = 0;
     g->untold = g->quiet = 0;
     g->gain = 0;

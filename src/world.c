@@ -143,7 +143,7 @@ void msap_world_trim(msap_world *w)
     msap_pairs_trim(&w->pairs, m);
     msap_boxes_trim(&w->boxes, m);
     msap_crew_trim(&w->crew, m, w->boxes.used, w->pairs.active);
-    msap_memory_resize(m, &w->scratch.at, &w->scratch.room, 0, 0, sizeof *w->scratch.at);
+    msap_scratch_free(&w->scratch, m);
     if (is_grid(&w->config)) msap_grid_trim(&w->grid, m, w->boxes.used);
     else msap_sap_trim(&w->sap, m, w->boxes.used);
 }

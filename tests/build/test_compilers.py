@@ -3,7 +3,7 @@
 """The sources build bare, without any of our own flags, and the headers stand alone."""
 
 import pytest
-from conftest import ROOT, makefile_list, run
+from conftest import MAKE, ROOT, makefile_list, run
 
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 
@@ -33,7 +33,7 @@ def test_the_examples_build_without_a_warning(compiler):
 
 
 def test_the_core_builds_without_lcm(tmp_path):
-    run("make", "all", f"BUILD={tmp_path}", "LCM=no")
+    run(*MAKE, "all", f"BUILD={tmp_path}", "LCM=no")
     assert (tmp_path / "libmultisap.so").exists()
     assert not list(tmp_path.glob("libmultisap-lcm*"))
     assert "lcm" not in run("readelf", "-d", tmp_path / "multisap")

@@ -3,7 +3,7 @@
 """What is installed can be used from elsewhere, whichever build installed it."""
 
 import pytest
-from conftest import ROOT, header_version, run
+from conftest import MAKE, ROOT, header_version, run
 
 
 @pytest.fixture(scope="session", params=["make", "meson"])
@@ -11,7 +11,7 @@ def installed(request, tmp_path_factory):
     """The root below which /usr/local was filled."""
     destination = tmp_path_factory.mktemp("installed")
     if request.param == "make":
-        run("make", "install", f"BUILD={request.getfixturevalue('made')}", f"DESTDIR={destination}")
+        run(*MAKE, "install", f"BUILD={request.getfixturevalue('made')}", f"DESTDIR={destination}")
     else:
         run("meson", "install", "-C", request.getfixturevalue("meson_made"), DESTDIR=str(destination))
     return destination
@@ -25,7 +25,7 @@ def pkg_config(installed, *arguments):
 def test_both_builds_install_the_same_files(made, meson_made, tmp_path):
     def files(folder):
         return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
-    run("make", "install", f"BUILD={made}", f"DESTDIR={tmp_path / 'make'}")
+    run(*MAKE, "install", f"BUILD={made}", f"DESTDIR={tmp_path / 'make'}")
     run("meson", "install", "-C", meson_made, DESTDIR=str(tmp_path / "meson"))
     assert files(tmp_path / "make") == files(tmp_path / "meson")
 

@@ -5,7 +5,7 @@
 import re
 
 import pytest
-from conftest import ROOT, header_version, run
+from conftest import MAKE, ROOT, header_version, run
 
 README = ROOT / "README.md"
 DOCUMENTS = sorted(path.relative_to(ROOT) for pattern in ("*.md", "docs/**/*.md", "fuzz/*.md", "tests/**/*.md")
@@ -20,7 +20,7 @@ def test_the_example_is_the_one_that_is_run(made):
     example = (ROOT / "examples/game_loop.c").read_text()
     shown, printed = blocks("c")[0], blocks("text")[0]
     assert example.split("*/\n", 1)[1] == shown
-    run("make", made / "examples/game_loop", f"BUILD={made}")
+    run(*MAKE, made / "examples/game_loop", f"BUILD={made}")
     assert run(made / "examples/game_loop") == printed
 
 

@@ -298,28 +298,96 @@ static void reference_event(reference *r, int created, const msap_pair *pair)
     e->pair_data = pair->user_data;
 }
 
-static int slots_pair(const reference *r, const slot *a, const slot *b)
+/* The live boxes by columns, so that a compiler makes vectors of the loop that asks them all. */
+typedef struct columns {
+    size_t count;
+    float *low[3], *high[3]; /* a component that is not read is 0 */
+    uint32_t *is_static, *overlaps;
+    const slot **slot;
+} columns;
+
+static void *allocate(size_t count, size_t size)
 {
-    return a->state == SLOT_LIVE && b->state == SLOT_LIVE && !(a->flags & b->flags & MSAP_STATIC) &&
-           boxes_overlap(&a->bounds, &b->bounds, r->dims);
+    void *array = calloc(count ? count : 1, size);
+    if (!array)
+        abort();
+    return array;
+}
+
+static void columns_open(columns *all, const reference *r)
+{
+    size_t i;
+    uint32_t c;
+    all->count = 0;
+    for (c = 0; c < 3; c++) {
+        all->low[c] = allocate(r->slot_count, sizeof *all->low[c]);
+        all->high[c] = allocate(r->slot_count, sizeof *all->high[c]);
+    }
+    all->is_static = allocate(r->slot_count, sizeof *all->is_static);
+    all->overlaps = allocate(r->slot_count, sizeof *all->overlaps);
+    all->slot = allocate(r->slot_count, sizeof *all->slot);
+    for (i = 0; i < r->slot_count; i++) {
+        const slot *s = &r->slots[i];
+        if (s->state != SLOT_LIVE)
+            continue;
+        for (c = 0; c < r->dims; c++) {
+            all->low[c][all->count] = s->bounds.min[c];
+            all->high[c][all->count] = s->bounds.max[c];
+        }
+        all->is_static[all->count] = (s->flags & MSAP_STATIC) != 0;
+        all->slot[all->count++] = s;
+    }
+}
+
+static void columns_close(columns *all)
+{
+    uint32_t c;
+    for (c = 0; c < 3; c++) {
+        free(all->low[c]);
+        free(all->high[c]);
+    }
+    free(all->is_static);
+    free(all->overlaps);
+    free(all->slot);
+}
+
+/* Whether box i and each box after it make a pair. */
+static void columns_overlap(const columns *all, size_t i)
+{
+    const float *restrict x = all->low[0], *restrict y = all->low[1], *restrict z = all->low[2];
+    const float *restrict to_x = all->high[0], *restrict to_y = all->high[1], *restrict to_z = all->high[2];
+    const uint32_t *restrict is_static = all->is_static;
+    uint32_t *restrict overlaps = all->overlaps;
+    const float x_i = x[i], y_i = y[i], z_i = z[i], to_x_i = to_x[i], to_y_i = to_y[i], to_z_i = to_z[i];
+    const uint32_t static_i = is_static[i];
+    size_t j;
+    for (j = i + 1; j < all->count; j++)
+        overlaps[j] = (uint32_t)((x[j] <= to_x_i) & (x_i <= to_x[j]) & (y[j] <= to_y_i) & (y_i <= to_y[j]) &
+                                 (z[j] <= to_z_i) & (z_i <= to_z[j])) &
+                      (1 ^ (static_i & is_static[j]));
 }
 
 /* All pairs of live boxes; by slot is by handle, as each slot has one box. */
 static msap_pair *reference_find(const reference *r, size_t *count, size_t *room)
 {
     msap_pair *pairs = NULL;
+    columns all;
     size_t i, j;
     *count = *room = 0;
-    for (i = 0; i < r->slot_count; i++)
-        for (j = i + 1; j < r->slot_count; j++)
-            if (slots_pair(r, &r->slots[i], &r->slots[j])) {
+    columns_open(&all, r);
+    for (i = 0; i < all.count; i++) {
+        columns_overlap(&all, i);
+        for (j = i + 1; j < all.count; j++)
+            if (all.overlaps[j]) {
                 msap_pair *p;
                 pairs = grow(pairs, room, *count, sizeof *pairs);
                 p = &pairs[(*count)++];
-                p->a = r->slots[i].handle;
-                p->b = r->slots[j].handle;
+                p->a = all.slot[i]->handle;
+                p->b = all.slot[j]->handle;
                 p->user_data = pair_tag(p->a, p->b, r->commits);
             }
+    }
+    columns_close(&all);
     return pairs;
 }
 

@@ -543,12 +543,14 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
+enum { DRIFTING = 150000 }; /* more than any choice knows as many */
+
 /* How many of the last four commits prune a world of so many boxes while they all drift; its pairs must be
  * those of box pruning. */
 static uint64_t sweeps_of_a_drift(int n)
 {
-    static box bounds[250000];
-    static msap_handle names[250000];
+    static box bounds[DRIFTING];
+    static msap_handle names[DRIFTING];
     msap_boxes boxes = boxes_in_row(bounds);
     float wide = 1;
     msap_index_pair *pairs;
@@ -589,7 +591,7 @@ START_TEST(drifting_boxes_are_not_pruned)
 {
     ck_assert_uint_eq(sweeps_of_a_drift(2000), 0);
     ck_assert_uint_eq(sweeps_of_a_drift(20000), 0);
-    ck_assert_uint_eq(sweeps_of_a_drift(250000), 0);
+    ck_assert_uint_eq(sweeps_of_a_drift(DRIFTING), 0);
 }
 END_TEST
 

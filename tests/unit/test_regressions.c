@@ -70,7 +70,7 @@ END_TEST
  * none for a smaller one either; and it had asked again for each pair that it found. */
 START_TEST(a_failed_commit_asks_seldom_and_keeps_nothing)
 {
-    enum { MANY = 3000, FEW = 300 };
+    enum { MANY = 1500, FEW = 200 };
     static msap_handle handles[MANY];
     msap_config config = config_of(3, _i);
     box unit = cube(0, 1);
@@ -85,7 +85,7 @@ START_TEST(a_failed_commit_asks_seldom_and_keeps_nothing)
     ok(msap_create(&config, &world));
     ok(msap_add_many(world, MANY, &boxes, NULL, NULL, handles));
     before = memory.bytes;
-    memory.limit = before + (8u << 20);
+    memory.limit = before + (4u << 20);
     refused(msap_commit(world, NULL, NULL), MSAP_ERROR_MEMORY);
     ck_assert_uint_le(memory.bytes, before + (1u << 20));
     ck_assert_uint_le(memory.failures, 100);
