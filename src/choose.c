@@ -142,14 +142,16 @@ static enum way prune_and_rest(struct grid *g, const struct box_table *t)
 
 /* ----------------------------------------------------------------- renewals */
 
-enum { IN_STEPS = 12 /* commits or more that skins are made for which are renewed in steps */ };
+/* Commits or more that skins are made for which are renewed in steps; and in as many steps as there are. */
+enum { IN_STEPS = 12, UNHURRIED = 32 };
 
 static int is_in_steps(uint32_t horizon) { return horizon >= IN_STEPS; }
 
 /* A step after each commit. */
 static int64_t renewal_steps(const struct job *job, uint32_t horizon)
 {
-    return is_in_steps(horizon) ? CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job) : 0;
+    int64_t steps = CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job);
+    return !is_in_steps(horizon) ? 0 : horizon < UNHURRIED ? steps - 2 : steps;
 }
 
 /* How many candidates there are or, while there are no skins, would be at least. */
@@ -291,6 +293,15 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
     for (size_t slot = g->commit % step; slot < g->boxes->used; slot += step)
         n += msap_skin_will_be_left(g, (uint32_t)slot, commits);
     return n * step; /* each stands for so many */
+}
+
+/* Whether one that begins has fewer steps: for skins that do not last long, and where first ones would be left before
+ * all are taken. */
+int msap_renewal_is_hurried(const struct grid *g, const struct job *job)
+{
+    const struct upkeep *u = &g->upkeep;
+    return u->horizon < UNHURRIED ||
+           (u->is_first && foreseen_to_leave(g, (uint32_t)renewal_steps(job, u->horizon)) > 0);
 }
 
 /* After a commit that tracked boxes: whether to renew all skins in steps. That is so when one more commit with the

@@ -833,6 +833,8 @@ enum renewal_step {
     MAKE_SKINS,
     MAKE_MORE_SKINS,
     COUNT_ROWS,
+    SORT_ROWS,
+    LIST_ROWS,
     FILL_ROWS,
     SWEEP_ROWS,
     CHANGE_SKINS
@@ -840,6 +842,7 @@ enum renewal_step {
 struct renewal {
     enum renewal_step next;
     int is_told;        /* 1: the candidates that are found know what they are */
+    int is_hurried;     /* 1: those of the rows are taken by twos */
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
@@ -1033,6 +1036,7 @@ int msap_renewal_at_once(struct grid *g, struct job *job);
 void msap_renewal_free(struct renewal *r, struct memory *m);
 void msap_upkeep_begins(struct grid *g);
 void msap_upkeep_starts(struct grid *g);
+int msap_renewal_is_hurried(const struct grid *g, const struct job *job);
 int msap_renewal_is_due(struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once);
 void msap_renewal_failed(struct grid *g);

@@ -252,6 +252,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     p->news = j.is_comparing ? 0 : ROW_NEW;
     complete_before(job->boxes);
     if (!msap_rows_sort(p)) return 0;
+    msap_rows_list(p);
     msap_rows_fill(p);
     if (!find_pairs(&j)) return 0;
     if (j.is_comparing) return msap_compare(g, job);

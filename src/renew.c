@@ -14,7 +14,8 @@
  * last one.
  *
  * 1. The skins to come are made, in two steps.
- * 2. The boxes are sorted into rows by them (rows.c), in two steps.
+ * 2. The boxes are sorted into rows by them (rows.c), in four steps or, where the present skins or those to come do not
+ *    last that long, in two.
  * 3. The rows are swept, in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
@@ -135,7 +136,7 @@ static struct pruning pruning_of(struct grid *g, struct job *job)
     return p;
 }
 
-/* From one of the two steps to the other, the world's scratch room is the renewal's. */
+/* While boxes are sorted, the world's scratch room is the renewal's. */
 static void lend_scratch(struct renewal *r, struct job *job)
 {
     const struct scratch words = r->words;
@@ -143,7 +144,20 @@ static void lend_scratch(struct renewal *r, struct job *job)
     *job->scratch = words;
 }
 
-/* The first half. Returns 0 without memory, and where there are many wide boxes. */
+/* That of a step before, of the same boxes, whatever has become of them. */
+static struct pruning pruning_goes_on(struct grid *g, struct job *job)
+{
+    const struct renewal *r = &g->renewal;
+    struct pruning p = pruning_of(g, job);
+    p.order = r->order;
+    p.range = r->range;
+    p.n = r->n;
+    p.entries = r->entries;
+    p.end = r->set.end;
+    return p;
+}
+
+/* Returns 0 without memory, and where there are many wide boxes. */
 static int count_rows(struct grid *g, struct job *job)
 {
     enum { COMMITS = 256 };
@@ -160,22 +174,31 @@ static int count_rows(struct grid *g, struct job *job)
     r->wide = p.wide;
     r->n = p.n;
     r->entries = p.entries;
+    return 1;
+}
+
+/* Returns 0 without memory. */
+static int sort_rows(struct grid *g, struct job *job)
+{
+    struct pruning p = pruning_goes_on(g, job);
     return msap_rows_sort(&p);
 }
 
-/* The second half, of the same boxes, whatever has become of them. Returns 0 without memory. */
+static int list_rows(struct grid *g, struct job *job)
+{
+    struct pruning p = pruning_goes_on(g, job);
+    msap_rows_list(&p);
+    lend_scratch(&g->renewal, job);
+    return 1;
+}
+
+/* Returns 0 without memory. */
 static int fill_rows(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    struct pruning p = pruning_of(g, job);
-    p.order = r->order;
-    p.range = r->range;
-    p.n = r->n;
-    p.entries = r->entries;
-    p.end = r->set.end;
+    struct pruning p = pruning_goes_on(g, job);
     r->swept = r->found.n = 0;
     msap_rows_fill(&p);
-    lend_scratch(r, job);
     return msap_rows_note_reach(&r->set, &r->rows, job->memory) &&
            msap_keys_reserve(&r->found, job->memory, g->candidates.n); /* as many as now, mostly */
 }
@@ -275,7 +298,8 @@ static void give_back(struct grid *g, struct job *job)
     struct keys *c = &g->candidates;
     msap_renewal_free(&g->renewal, job->memory);
     msap_scratch_free(job->scratch, job->memory);
-    if (c->room / 2 > c->n + c->n / 8) msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
+    if (c->room / 2 > c->n + c->n / 8)
+        msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
 }
 
 /* Returns 0 without memory. */
@@ -305,14 +329,14 @@ static enum renewal_step step_after(const struct renewal *r, enum renewal_step n
     return now == CHANGE_SKINS || now == TRY_SKINS ? NO_RENEWAL : now + 1;
 }
 
-/* The next step. Without memory, and where there are many wide boxes, the skins to come are given up; in
+/* Takes the next step. Without memory, and where there are many wide boxes, the skins to come are given up; in
  * the last step, all that is kept. */
-void msap_renewal_go_on(struct grid *g, struct job *job)
+static void take_step(struct grid *g, struct job *job)
 {
     static int (*const steps[])(struct grid * g, struct job * job) = {
-        [TRY_SKINS] = try_skins,   [MAKE_SKINS] = make_skins, [MAKE_MORE_SKINS] = make_more_skins,
-        [COUNT_ROWS] = count_rows, [FILL_ROWS] = fill_rows,   [SWEEP_ROWS] = find_candidates,
-        [CHANGE_SKINS] = install};
+        [TRY_SKINS] = try_skins,   [MAKE_SKINS] = make_skins,      [MAKE_MORE_SKINS] = make_more_skins,
+        [COUNT_ROWS] = count_rows, [SORT_ROWS] = sort_rows,        [LIST_ROWS] = list_rows,
+        [FILL_ROWS] = fill_rows,   [SWEEP_ROWS] = find_candidates, [CHANGE_SKINS] = install};
     enum renewal_step now = g->renewal.next;
     int is_at_once = g->renewal.is_told, done = steps[now](g, job);
     g->renewal.next = done ? step_after(&g->renewal, now) : NO_RENEWAL;
@@ -321,10 +345,20 @@ void msap_renewal_go_on(struct grid *g, struct job *job)
     if (!done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
 }
 
+/* The next step; or two. */
+void msap_renewal_go_on(struct grid *g, struct job *job)
+{
+    enum renewal_step now = g->renewal.next;
+    int are_two = g->renewal.is_hurried && (now == COUNT_ROWS || now == LIST_ROWS);
+    take_step(g, job);
+    if (are_two && g->renewal.next != NO_RENEWAL) take_step(g, job);
+}
+
 /* The first step. */
 void msap_renewal_begin(struct grid *g, struct job *job)
 {
     g->renewal.is_told = 0;
+    g->renewal.is_hurried = msap_renewal_is_hurried(g, job);
     g->renewal.next = MAKE_SKINS;
     msap_renewal_go_on(g, job);
 }
@@ -335,7 +369,9 @@ int msap_renewal_at_once(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     r->next = NO_RENEWAL;
-    if (!make_skins(g, job) || !make_more_skins(g, job) || !count_rows(g, job) || !fill_rows(g, job)) return 0;
+    if (!make_skins(g, job) || !make_more_skins(g, job) || !count_rows(g, job) || !sort_rows(g, job) ||
+        !list_rows(g, job) || !fill_rows(g, job))
+        return 0;
     r->is_told = 1;
     r->next = CHANGE_SKINS;
     return 1;

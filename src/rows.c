@@ -264,11 +264,16 @@ int msap_rows_sort(struct pruning *j)
     return 1;
 }
 
-/* Names and writes the boxes in their rows. */
-void msap_rows_fill(struct pruning *j)
+/* Names the boxes in their rows. */
+void msap_rows_list(struct pruning *j)
 {
     start_rows(j, (size_t)j->rows->count[0] * j->rows->count[1]);
     list_rows(j);
+}
+
+/* And writes them. */
+void msap_rows_fill(struct pruning *j)
+{
     msap_phase_run(j->job->crew, j->job->memory, fill_rows, j, j->entries, WEIGHT_FILL); /* it finds nothing */
 }
 

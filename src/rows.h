@@ -95,6 +95,7 @@ typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struc
 void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);
 int msap_rows_sort(struct pruning *p);
+void msap_rows_list(struct pruning *p);
 void msap_rows_fill(struct pruning *p);
 int msap_rows_note_reach(struct row_set *set, const struct rows *r, struct memory *m);
 void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,

@@ -132,6 +132,32 @@ START_TEST(all_walk)
 }
 END_TEST
 
+/* In the first renewal of a loaded world, in which boxes go up to so far in each commit, this step follows a commit
+ * after that which counts rows. */
+static void is_step_after_counting(enum renewal_step expected, int row, float step)
+{
+    enum renewal_step before = NO_RENEWAL, now = NO_RENEWAL;
+    walkers w;
+    open_walk(&w, row, 3, 7);
+    put_some(&w, 320, step, 0);
+    for (int frame = 0; before != COUNT_ROWS && frame < 20; frame++) {
+        before = now;
+        walk(&w, 0);
+        end_frame(&w);
+        now = grid_of(&w)->renewal.next;
+    }
+    if (is_free(&w)) ck_assert(before == COUNT_ROWS && now == expected);
+    right(session_close(&w.s));
+}
+
+/* Where first skins would be left soon, steps are taken by twos. */
+START_TEST(some_are_in_a_hurry)
+{
+    is_step_after_counting(SORT_ROWS, _i, 0.01f);
+    is_step_after_counting(LIST_ROWS, _i, 0.06f);
+}
+END_TEST
+
 /* Boxes that go straight on, where few overlap, stay in skins however soon they would leave them: it takes long to renew
  * these in one commit, so it is done in steps. */
 START_TEST(sparse_boxes_drift)
@@ -651,6 +677,7 @@ int main(void)
 {
     TCase *tests = tcase_create("renewing");
     tcase_add_loop_test(tests, all_walk, 0, SETUPS);
+    tcase_add_loop_test(tests, some_are_in_a_hurry, 0, SETUPS);
     tcase_add_test(tests, sparse_boxes_drift);
     tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_in_a_trial, 0, SETUPS);
