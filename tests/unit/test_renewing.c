@@ -538,25 +538,48 @@ START_TEST(memory_is_given_back_between_the_steps)
 }
 END_TEST
 
-/* In each commit of a renewal each allocation fails once; the commit fails or not, and nothing is lost. */
+/* Boxes walk by up to `step`, and the n-th allocation from some frame on fails. Returns whether there was one. */
+static size_t walk_without_memory(int row, size_t n, float step)
+{
+    walkers w;
+    open_walk(&w, row, 3, 10);
+    put_some(&w, 260, step, 2);
+    walk(&w, 0);
+    if (n % 2) end_frame(&w); /* else all comes and is put in skins */
+    w.s.memory.fail_at = w.s.memory.calls + (n + 1) / 2;
+    for (int frame = 0; frame < 12; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    size_t failures = w.s.memory.failures;
+    right(session_close(&w.s));
+    return failures;
+}
+
+/* In each commit of a renewal, at once or in steps, each allocation fails once; the commit fails or not, and nothing
+ * is lost. */
 START_TEST(without_memory)
 {
+    static const float step[] = {0.08f, 0.05f, 0.01f};
     if (!chooses(_i)) return;
-    size_t failures = 1;
-    for (size_t n = 1; failures > 0; n++) {
-        walkers w;
-        open_walk(&w, _i, 3, 10);
-        put_some(&w, 260, 0.08f, 2);
-        walk(&w, 0);
-        if (n % 2) end_frame(&w); /* else all comes and is put in skins */
-        w.s.memory.fail_at = w.s.memory.calls + (n + 1) / 2;
-        for (int frame = 0; frame < 12; frame++) {
-            walk(&w, 0);
-            end_frame(&w);
-        }
-        failures = w.s.memory.failures;
-        right(session_close(&w.s));
+    for (size_t k = 0; k < COUNT(step); k++)
+        for (size_t n = 1; walk_without_memory(_i, n, step[k]) > 0;) n++;
+}
+END_TEST
+
+/* However often skins have not paid, they are tried again one day. */
+START_TEST(all_is_tried_again)
+{
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 17);
+    struct grid *g = &w.s.world->grid;
+    for (int i = 0; i < 40; i++) {
+        uint32_t wait = g->upkeep.wait;
+        msap_renewal_failed(g);
+        ck_assert_uint_ge(g->upkeep.wait, wait);
+        ck_assert(g->upkeep.not_before > g->commit && g->upkeep.not_before - g->commit <= 4096);
     }
+    right(session_close(&w.s));
 }
 END_TEST
 
@@ -692,6 +715,7 @@ int main(void)
     tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
+    tcase_add_test(tests, all_is_tried_again);
     tcase_add_test(tests, junk_in_memory_means_nothing);
     tcase_add_test(tests, broken_candidates);
     return run_case(tests, "renewing");
