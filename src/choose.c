@@ -295,8 +295,8 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
     return n * step; /* each stands for so many */
 }
 
-/* Whether one that begins has fewer steps: for skins that do not last long, and where first ones would be left before
- * all are taken. */
+/* Whether one that begins has fewer steps: for skins that do not last long, and where first ones would be left
+ * before all are taken. */
 int msap_renewal_is_hurried(const struct grid *g, const struct job *job)
 {
     const struct upkeep *u = &g->upkeep;

@@ -14,8 +14,8 @@
  * last one.
  *
  * 1. The skins to come are made, in two steps.
- * 2. The boxes are sorted into rows by them (rows.c), in four steps or, where the present skins or those to come do not
- *    last that long, in two.
+ * 2. The boxes are sorted into rows by them (rows.c), in four steps or, where the present skins or those to come
+ *    do not last that long, in two.
  * 3. The rows are swept, in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin

@@ -62,16 +62,21 @@ static void has_its_pairs(void)
     }
 }
 
-static void load(void)
+/* The even boxes get these flags. */
+static void load(uint32_t flags)
 {
+    static uint32_t flags_of[BOXES];
     msap_config config = config_of(3, DEFAULT);
     msap_boxes boxes = boxes_in_row(many.bounds);
     uint64_t random = 3;
     for (int place = 0; place < PLACES; place++) many.offset[place] = (float)random_below(&random, 48) / 16;
-    for (int i = 0; i < BOXES; i++) many.bounds[i] = bounds_of_box(i, 0);
+    for (int i = 0; i < BOXES; i++) {
+        many.bounds[i] = bounds_of_box(i, 0);
+        flags_of[i] = i % 2 ? 0 : flags;
+    }
     many.n = 0;
     ok(msap_create(&config, &many.world));
-    ok(msap_add_many(many.world, BOXES, &boxes, NULL, NULL, many.handles));
+    ok(msap_add_many(many.world, BOXES, &boxes, flags_of, NULL, many.handles));
     ok(msap_commit(many.world, NULL, NULL));
     has_its_pairs();
 }
@@ -92,7 +97,7 @@ static int scattered(int k) { return (int)((uint64_t)k * 7919 % BOXES); }
 
 START_TEST(all_drift)
 {
-    load();
+    load(0);
     for (int frame = 1; frame <= 30; frame++) {
         for (int place = 0; place < PLACES; place++) {
             float *offset = &many.offset[place];
@@ -109,11 +114,12 @@ START_TEST(all_drift)
 }
 END_TEST
 
-/* In each frame others of some come together or part, by much or by little. */
+/* In each frame others of some come together or part, by much or by little. Loop variable: whether half of all boxes
+ * are static, which are loaded without skins. */
 START_TEST(some_move)
 {
     uint64_t random = 5;
-    load();
+    load(_i ? MSAP_STATIC : 0);
     for (int frame = 0; frame < 30; frame++) {
         for (int k = 0; k < 300; k++) {
             int place = (int)random_below(&random, 900) * 37 % PLACES;
@@ -125,6 +131,8 @@ START_TEST(some_move)
         has_its_pairs();
     }
     ck_assert(many.world->grid.is_resting && !many.world->grid.in_skins);
+    ck_assert_int_eq(many.world->grid.rows_hold_skins, !_i);
+    ck_assert_uint_lt(many.world->scratch.room, BOXES);
     leave();
 }
 END_TEST
@@ -133,6 +141,6 @@ int main(void)
 {
     TCase *tests = tcase_create("many boxes");
     tcase_add_test(tests, all_drift);
-    tcase_add_test(tests, some_move);
+    tcase_add_loop_test(tests, some_move, 0, 2);
     return run_case(tests, "many boxes");
 }

@@ -132,14 +132,15 @@ START_TEST(all_walk)
 }
 END_TEST
 
-/* In the first renewal of a loaded world, in which boxes go up to so far in each commit, this step follows a commit
- * after that which counts rows. */
-static void is_step_after_counting(enum renewal_step expected, int row, float step)
+/* In the first renewal of a loaded world, in which boxes lie in a block so many times as long and go up to so far in
+ * each commit, this step follows a commit after that which counts rows. */
+static void is_step_after_counting(enum renewal_step expected, int row, uint32_t times, float step)
 {
+    const uint32_t size[3] = {16 * times, 12 * times, 8 * times};
     enum renewal_step before = NO_RENEWAL, now = NO_RENEWAL;
     walkers w;
     open_walk(&w, row, 3, 7);
-    put_some(&w, 320, step, 0);
+    for (int i = 0; i < 320; i++) put(&w, in_block(&w, size), step, 0);
     for (int frame = 0; before != COUNT_ROWS && frame < 20; frame++) {
         before = now;
         walk(&w, 0);
@@ -150,11 +151,13 @@ static void is_step_after_counting(enum renewal_step expected, int row, float st
     right(session_close(&w.s));
 }
 
-/* Where first skins would be left soon, steps are taken by twos. */
+/* Steps are taken by twos where skins do not last long, either those to come, as where many overlap, or the first
+ * ones. */
 START_TEST(some_are_in_a_hurry)
 {
-    is_step_after_counting(SORT_ROWS, _i, 0.01f);
-    is_step_after_counting(LIST_ROWS, _i, 0.06f);
+    is_step_after_counting(SORT_ROWS, _i, 1, 0.01f);
+    is_step_after_counting(LIST_ROWS, _i, 1, 0.06f);
+    is_step_after_counting(LIST_ROWS, _i, 3, 0.06f);
 }
 END_TEST
 
@@ -538,16 +541,17 @@ START_TEST(memory_is_given_back_between_the_steps)
 }
 END_TEST
 
-/* Boxes walk by up to `step`, and the n-th allocation from some frame on fails. Returns whether there was one. */
-static size_t walk_without_memory(int row, size_t n, float step)
+/* Boxes walk by up to `step`, and the n-th allocation fails, from the commit on in which all come and are put in
+ * skins, or from the next one on. Returns whether there was one. */
+static size_t walk_without_memory(int row, float step, int later, size_t n)
 {
     walkers w;
     open_walk(&w, row, 3, 10);
     put_some(&w, 260, step, 2);
     walk(&w, 0);
-    if (n % 2) end_frame(&w); /* else all comes and is put in skins */
-    w.s.memory.fail_at = w.s.memory.calls + (n + 1) / 2;
-    for (int frame = 0; frame < 12; frame++) {
+    if (later) end_frame(&w);
+    w.s.memory.fail_at = w.s.memory.calls + n;
+    for (int frame = 0; frame < 15; frame++) {
         walk(&w, 0);
         end_frame(&w);
     }
@@ -563,7 +567,8 @@ START_TEST(without_memory)
     static const float step[] = {0.08f, 0.05f, 0.01f};
     if (!chooses(_i)) return;
     for (size_t k = 0; k < COUNT(step); k++)
-        for (size_t n = 1; walk_without_memory(_i, n, step[k]) > 0;) n++;
+        for (int later = 0; later < 2; later++)
+            for (size_t n = 1; walk_without_memory(_i, step[k], later, n) > 0;) n++;
 }
 END_TEST
 
