@@ -51,11 +51,11 @@
  *    thread that calls the library, and none is asked for in a commit that passes
  *    no earlier maximum of boxes, pairs, neighbours, events or cells; it shrinks
  *    only when use has stayed far below what is held for many commits, or by
- *    msap_trim. (So that a box takes less than 200 bytes, a world of more than
- *    65,536 gives back what it works in when all boxes get new skins or are
- *    pruned, and asks for it again the next time; without it that commit takes
- *    far longer.) From inside a callback every call that changes the world is
- *    refused with MSAP_ERROR_BUSY; const calls are allowed.
+ *    msap_trim. (So that a box takes some 200 bytes, a world of more than 65,536
+ *    gives back what it has worked in once all boxes have got new skins or rest,
+ *    and asks for it again the next time; without it that commit takes far
+ *    longer.) From inside a callback every call that changes the world is refused
+ *    with MSAP_ERROR_BUSY; const calls are allowed.
  *
  * CONVENTIONS
  *

@@ -147,7 +147,7 @@ enum { IN_STEPS = 12, UNHURRIED = 32 };
 
 static int is_in_steps(uint32_t horizon) { return horizon >= IN_STEPS; }
 
-/* A step after each commit. */
+/* A step after each commit; in a hurry those of the rows by twos. */
 static int64_t renewal_steps(const struct job *job, uint32_t horizon)
 {
     int64_t steps = CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job);

@@ -69,7 +69,8 @@ static msap_status find_events(msap_world *w)
 }
 
 /* Step 3: room for the events, and in the lists for as many again: with it they drop
- * repeats instead of growing (settle.c). The list of the doomed has room for all pairs. */
+ * repeats instead of growing (settle.c), and are sorted in scratch room for as many. The list
+ * of the doomed has room for all pairs. */
 static msap_status reserve_events(msap_world *w)
 {
     struct settler *s = &w->crew.worker[0].settler;
@@ -78,6 +79,7 @@ static msap_status reserve_events(msap_world *w)
     int has_room = msap_pairs_reserve(&w->pairs, &w->memory, s->fresh.n, s->doomed.n) &&
                    msap_keys_reserve(&s->fresh, &w->memory, times * s->fresh.n) &&
                    msap_keys_reserve(&s->doomed, &w->memory, times * w->pairs.most_active);
+    if (s->has_repeats) msap_scratch_get(&w->scratch, &w->memory, larger_of(s->fresh.room, s->doomed.room));
     return has_room || s->fresh.n == 0 ? MSAP_OK : MSAP_ERROR_MEMORY; /* lost pairs have room where they were */
 }
 

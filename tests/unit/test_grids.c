@@ -543,7 +543,7 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
-enum { DRIFTING = 150000 }; /* more than any choice knows as many */
+enum { DRIFTING = 150000 }; /* more than any choice tells apart */
 
 /* How many of the last four commits prune a world of so many boxes while they all drift; its pairs must be
  * those of box pruning. */
