@@ -147,7 +147,7 @@ enum { IN_STEPS = 12, UNHURRIED = 32 };
 
 static int is_in_steps(uint32_t horizon) { return horizon >= IN_STEPS; }
 
-/* A step after each commit; in a hurry those of the rows by twos. */
+/* A step after each commit; in a hurry some by twos. */
 static int64_t renewal_steps(const struct job *job, uint32_t horizon)
 {
     int64_t steps = CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job);
@@ -295,13 +295,13 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
     return n * step; /* each stands for so many */
 }
 
-/* Whether one that begins has fewer steps: for skins that do not last long, and where first ones would be left
- * before all are taken. */
-int msap_renewal_is_hurried(const struct grid *g, const struct job *job)
+/* How one that begins goes on: in fewer commits for skins that do not last long, and in still fewer where first ones
+ * would be left before. */
+enum renewal_pace msap_renewal_pace(const struct grid *g, const struct job *job)
 {
     const struct upkeep *u = &g->upkeep;
-    return u->horizon < UNHURRIED ||
-           (u->is_first && foreseen_to_leave(g, (uint32_t)renewal_steps(job, u->horizon)) > 0);
+    if (u->is_first && foreseen_to_leave(g, (uint32_t)renewal_steps(job, u->horizon)) > 0) return IN_A_RUSH;
+    return u->horizon < UNHURRIED ? IN_A_HURRY : AT_EASE;
 }
 
 /* After a commit that tracked boxes: whether to renew all skins in steps. That is so when one more commit with the

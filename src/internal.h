@@ -839,10 +839,11 @@ enum renewal_step {
     SWEEP_ROWS,
     CHANGE_SKINS
 };
+enum renewal_pace { AT_EASE, IN_A_HURRY, IN_A_RUSH }; /* one after each commit; some by twos; most */
 struct renewal {
     enum renewal_step next;
-    int is_told;        /* 1: the candidates that are found know what they are */
-    int is_hurried;     /* 1: those of the rows are taken by twos */
+    int is_told; /* 1: the candidates that are found know what they are */
+    enum renewal_pace pace;
     struct bounds *fat; /* [slots] the skins of boxes that are fitted */
     size_t slots, room_fat;
     struct rows rows;
@@ -1036,7 +1037,7 @@ int msap_renewal_at_once(struct grid *g, struct job *job);
 void msap_renewal_free(struct renewal *r, struct memory *m);
 void msap_upkeep_begins(struct grid *g);
 void msap_upkeep_starts(struct grid *g);
-int msap_renewal_is_hurried(const struct grid *g, const struct job *job);
+enum renewal_pace msap_renewal_pace(const struct grid *g, const struct job *job);
 int msap_renewal_is_due(struct grid *g, const struct job *job);
 void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once);
 void msap_renewal_failed(struct grid *g);

@@ -14,14 +14,15 @@
  * last one.
  *
  * 1. The skins to come are made, in two steps.
- * 2. The boxes are sorted into rows by them (rows.c), in four steps or, where the present skins or those to come
- *    do not last that long, in two.
+ * 2. The boxes are sorted into rows by them (rows.c), in four steps.
  * 3. The rows are swept, in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
  *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
  *    already, are put into cells (move.c), and so are wide ones, which are in no row.
  *
- * Where skins do not last long, and when a world is loaded, a commit prunes all boxes with their new skins
+ * Where the present skins or those to come do not last long, some commits take two of these steps.
+ *
+ * Where skins last a few commits only, and when a world is loaded, a commit prunes all boxes with their new skins
  * at once (jump.c): steps 1 and 2 come in it, and instead of step 3 it finds candidates and pairs together.
  * Step 4 comes after it.
  *
@@ -345,20 +346,27 @@ static void take_step(struct grid *g, struct job *job)
     if (!done && now == CHANGE_SKINS) msap_grid_empty(g, job->memory);
 }
 
+/* Whether the step after this one is taken in the same commit. */
+static int are_two(const struct renewal *r, enum renewal_step now)
+{
+    if (now == MAKE_SKINS) return r->pace != AT_EASE;
+    if (now == LIST_ROWS) return r->pace == IN_A_HURRY;
+    return r->pace == IN_A_RUSH && (now == SORT_ROWS || now == FILL_ROWS);
+}
+
 /* The next step; or two. */
 void msap_renewal_go_on(struct grid *g, struct job *job)
 {
-    enum renewal_step now = g->renewal.next;
-    int are_two = g->renewal.is_hurried && (now == COUNT_ROWS || now == LIST_ROWS);
+    int is_followed = are_two(&g->renewal, g->renewal.next);
     take_step(g, job);
-    if (are_two && g->renewal.next != NO_RENEWAL) take_step(g, job);
+    if (is_followed && g->renewal.next != NO_RENEWAL) take_step(g, job);
 }
 
 /* The first step. */
 void msap_renewal_begin(struct grid *g, struct job *job)
 {
     g->renewal.is_told = 0;
-    g->renewal.is_hurried = msap_renewal_is_hurried(g, job);
+    g->renewal.pace = msap_renewal_pace(g, job);
     g->renewal.next = MAKE_SKINS;
     msap_renewal_go_on(g, job);
 }

@@ -170,7 +170,7 @@ static inline uint32_t step_of(struct line line, uint64_t key)
 }
 
 /* Orders by steps of two digits of so many bits: by the lower digit, then by the upper one. scratch has room
- * for 2 n. */
+ * for 2 n, which is fetched in order before it is written here and there. */
 static void sort_by_steps(uint64_t *key, size_t n, uint64_t *scratch, struct line line, unsigned digit)
 {
     uint32_t lower[1 << STEP_DIGIT], upper[1 << STEP_DIGIT], digits = 1u << digit, mask = digits - 1;
@@ -178,6 +178,8 @@ static void sort_by_steps(uint64_t *key, size_t n, uint64_t *scratch, struct lin
     memset(lower, 0, digits * sizeof *lower);
     memset(upper, 0, digits * sizeof *upper);
     for (size_t i = 0; i < n; i++) {
+        prefetch(scratch + i);
+        prefetch(sorted_step + i);
         step[i] = step_of(line, key[i]);
         lower[step[i] & mask]++;
         upper[step[i] >> digit]++;
