@@ -95,12 +95,12 @@ check: ## install what is missing, build, run all tests
 	@.ci/setup check
 	@$(MAKE) --no-print-directory test
 
-SUITES = asan build python unit differential command examples corpus trust abi
+SUITES = asan-unit build python unit asan-rest differential command examples corpus trust abi
 
 # Two suites at a time, the longest first; what they share is built before. What a suite prints comes
 # when it has ended, in one piece.
 test: ## run all tests, set nothing up
-	-@$(MAKE) -s -k -j 2 programs
+	-@$(MAKE) -s -k -j 2 programs asan-programs
 	@rm -f $(BUILD)/results; printf '%s\n' $(SUITES) | xargs -P 2 -I SUITE sh -c \
 	    'said=$$($(MAKE) -s test-SUITE 2>&1) && result=passed || result=FAILED; \
 	    printf "%s\n" "--- SUITE" "$$said"; echo "$$result SUITE" >> $(BUILD)/results'; \
@@ -141,11 +141,23 @@ test-build: ## test the build itself: lists, symbols, headers, installation
 # In one process a program, since what is watched takes long to fork; native runs fork. Without the leak
 # checker: every world of the tests has an allocator that counts what comes back. Brute force
 # is not watched: it is faster without.
-asan test-asan: ## run the tests with the address and undefined-behaviour sanitizers
-	@CK_FORK=no ASAN_OPTIONS=detect_leaks=0 $(MAKE) -k -O --no-print-directory BUILD=$(BUILD)/asan LDFLAGS='$(LDFLAGS)' \
-	    CFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
-	    REFERENCE_FLAGS='-O3 -fno-sanitize=all' \
-	    test-unit test-differential test-command test-examples
+ASAN = CK_FORK=no ASAN_OPTIONS=detect_leaks=0 $(MAKE) -k -O --no-print-directory BUILD=$(BUILD)/asan \
+    LDFLAGS='$(LDFLAGS)' \
+    CFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
+    REFERENCE_FLAGS='-O3 -fno-sanitize=all'
+ASAN_REST = test-differential test-command test-examples
+
+asan: ## run the tests with the address and undefined-behaviour sanitizers
+	+@$(ASAN) test-unit $(ASAN_REST)
+
+asan-programs:
+	+@$(ASAN) test-programs
+
+test-asan-unit:
+	+@$(ASAN) test-unit
+
+test-asan-rest:
+	+@$(ASAN) $(ASAN_REST)
 
 # A Python that has pytest: the one in PATH, or Debian's own.
 PYTEST = PYTHONDONTWRITEBYTECODE=1 $(shell python3 -c 'import pytest' 2>/dev/null && echo python3 \
@@ -244,9 +256,11 @@ $(COMMAND) $(TEST_PROGRAMS): $(LCM_STATIC) $(STATIC)
 
 include bench/bench.mk bench/accuracy/accuracy.mk tests/trust/trust.mk
 
-programs: all $(TEST_PROGRAMS) harnesses $(TRUST_PROGRAMS) ## build all that is run by tests
+programs: test-programs harnesses $(TRUST_PROGRAMS) ## build all that is run by tests
+
+test-programs: all $(TEST_PROGRAMS)
 
 FORCE:
-.PHONY: all lib tool run check test programs asan install install-lcm clean help FORCE $(SUITES:%=test-%)
+.PHONY: all lib tool run check test programs test-programs asan asan-programs install install-lcm clean help FORCE $(SUITES:%=test-%)
 .SECONDARY:
 -include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d)
