@@ -768,10 +768,11 @@ struct rows {
  * it is not static. Two boxes are taken where one of them or the other has each mark. */
 #define ROW_STARTS_1 0x80000000u
 #define ROW_STARTS_2 0x40000000u
-#define ROW_MOVES 0x20000000u
+#define ROW_MOVES ((uint32_t)BOX_STATIC << ROW_SHIFT)
 #define ROW_MARKS (ROW_STARTS_1 | ROW_STARTS_2 | ROW_MOVES)
 /* Or: it was not there at the last commit. */
-#define ROW_NEW 0x10000000u
+#define ROW_NEW ((uint32_t)BOX_WAS << ROW_SHIFT)
+enum { ROW_SHIFT = 27 }; /* from a flag to the mark of the boxes that do not have it */
 
 static inline uint32_t row_slot(uint32_t id) { return id & ~(ROW_MARKS | ROW_NEW); }
 

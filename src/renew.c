@@ -303,6 +303,16 @@ static void give_back(struct grid *g, struct job *job)
         msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
 }
 
+/* When a world is loaded: takes room for the rows and candidates of its first renewal and writes to it, so that this
+ * does not wait for new pages. Where memory lacks it asks again. */
+static void take_ahead(struct grid *g, struct memory *m)
+{
+    struct renewal *r = &g->renewal;
+    if (msap_row_set_make(&r->set, m, r->entries)) memset(r->set.words, 0, r->set.room * sizeof *r->set.words);
+    if (g->candidates.n > 0 && msap_keys_reserve(&r->found, m, g->candidates.n))
+        memset(r->found.at, 0, r->found.room * sizeof *r->found.at);
+}
+
 /* Returns 0 without memory. */
 static int install(struct grid *g, struct job *job)
 {
@@ -318,6 +328,7 @@ static int install(struct grid *g, struct job *job)
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
     t->n_left = 0;
     if (t->used > VERY_MANY_BOXES && !g->renewal.is_told) give_back(g, job);
+    if (t->used <= VERY_MANY_BOXES && g->upkeep.is_first && g->renewal.is_told) take_ahead(g, job->memory);
     return done;
 }
 

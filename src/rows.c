@@ -96,7 +96,7 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
     const struct bounds_by_slot all = j->bounds;
     uint32_t sweep_axis = r->axis[0];
     size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
-    struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
+    struct counted c = {first, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
     uint64_t *order = j->order + first;
     uint32_t *wide = j->wide + first, *end = c.end;
     memset(end, 0, all_rows * sizeof *end);
@@ -106,18 +106,16 @@ static void count_rows(void *context, struct worker *w, size_t first, size_t las
         const struct bounds *bounds = bounds_of_slot(&all, slot);
         const struct row_span s = rows_of(r, bounds);
         const struct row_range range = {s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, b->flags};
-        uint64_t rows = ((uint64_t)s.more[0] + 1) * (s.more[1] + 1);
         j->range[slot] = range;
         if ((s.more[0] | s.more[1]) <= 1) {
             count_in_few(r, &s, end);
-        } else if (rows <= MOST_ROWS) {
+        } else if (((uint64_t)s.more[0] + 1) * (s.more[1] + 1) <= MOST_ROWS) {
             count_in_many(r, &s, end);
         } else {
             wide[c.n_wide++] = slot;
             continue;
         }
         order[c.n++] = key_make(bounds->min[sweep_axis], 0, slot);
-        c.entries += rows;
     }
     j->by[worker] = c;
 }
@@ -134,9 +132,9 @@ static size_t add_up(struct pruning *j)
         memmove(j->wide + j->n_wide, j->wide + c->first, c->n_wide * sizeof *j->wide);
         j->n += c->n;
         j->n_wide += c->n_wide;
-        entries += c->entries;
         for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
     }
+    for (size_t row = 0; row < rows; row++) entries += j->end[row];
     return entries;
 }
 
@@ -185,13 +183,15 @@ static void list_rows(const struct pruning *j)
 {
     enum { AHEAD = 24 };
     const struct rows rows_now = *j->rows, *r = &rows_now;
-    uint32_t *id = j->set->id, *end = j->end;
-    for (size_t i = 0; i < j->n; i++) {
-        uint32_t slot = key_box(j->order[i]);
-        const struct row_range range = j->range[slot];
-        if (i + AHEAD < j->n) prefetch(&j->range[key_box(j->order[i + AHEAD])]);
-        uint32_t name = slot | (range.flags & BOX_STATIC ? 0 : ROW_MOVES) | (range.flags & BOX_WAS ? 0 : j->news);
-        if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, (uint32_t)j->entries);
+    const struct row_range *ranges = j->range;
+    const uint64_t *order = j->order;
+    uint32_t *id = j->set->id, *end = j->end, marks = ROW_MOVES | j->news, nowhere = (uint32_t)j->entries;
+    for (size_t i = 0, n = j->n; i < n; i++) {
+        uint32_t slot = key_box(order[i]);
+        const struct row_range range = ranges[slot];
+        if (n - i > AHEAD) prefetch(&ranges[key_box(order[i + AHEAD])]);
+        uint32_t name = slot | (~(uint32_t)range.flags << ROW_SHIFT & marks);
+        if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, nowhere);
         else list_in_many(r, &range, name, end, id);
     }
 }

@@ -58,7 +58,7 @@ struct row_range {
 
 /* What a worker has counted of the slots from the first on. */
 struct counted {
-    size_t first, n, n_wide, entries;
+    size_t first, n, n_wide;
     uint32_t *end; /* [rows] boxes; NULL: it was not at work */
 };
 
