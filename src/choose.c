@@ -89,10 +89,17 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
     return tests * dearness((size_t)boxes) / ONE;
 }
 
+/* How many boxes are wide, as far as is known: those that were long ago may have gone. */
+static int64_t count_wide(const struct grid *g)
+{
+    enum { LONG_AGO = 256 };
+    return g->commit - g->wide_found_in < LONG_AGO ? (int64_t)g->wide_found : 0;
+}
+
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    struct costs c = {0, boxes * (JUMP_BOX + (int64_t)g->n_wide / 4) + pairs * JUMP_PAIR,
+    struct costs c = {0, boxes * (JUMP_BOX + count_wide(g) / 4) + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
 }
@@ -147,7 +154,7 @@ enum { IN_STEPS = 12, UNHURRIED = 32 };
 
 static int is_in_steps(uint32_t horizon) { return horizon >= IN_STEPS; }
 
-/* A step after each commit; in a hurry some by twos. */
+/* A step after each commit; in a hurry some by twos. (First ones in a rush take fewer commits.) */
 static int64_t renewal_steps(const struct job *job, uint32_t horizon)
 {
     int64_t steps = CHANGE_SKINS - MAKE_SKINS + (int64_t)sweep_steps(job);
@@ -178,7 +185,7 @@ static int64_t cost_of_candidates(int64_t n) { return n * CANDIDATE; }
 static int can_renew(const struct grid *g, const struct job *job)
 {
     enum { FEW = 256 };
-    return job->boxes->live >= FEW && g->n_wide <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
+    return job->boxes->live >= FEW && count_wide(g) <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
 }
 
 /* Whether they may be now. */
@@ -295,8 +302,8 @@ static size_t foreseen_to_leave(const struct grid *g, uint32_t commits)
     return n * step; /* each stands for so many */
 }
 
-/* How one that begins goes on: in fewer commits for skins that do not last long, and in still fewer where first ones
- * would be left before. */
+/* How one that begins goes on: in fewer commits for skins that do not last long, and in still fewer where first
+ * ones would be left before. */
 enum renewal_pace msap_renewal_pace(const struct grid *g, const struct job *job)
 {
     const struct upkeep *u = &g->upkeep;
@@ -406,7 +413,7 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     g->quiet = is_quiet ? g->quiet + 1 : 0;
     if (g->quiet > (u->is_first ? 0 : LONG) && are_all_live) return REST;
     if (g->commit < u->not_before) return JUMP_OR_REBUILD;
-    int64_t age = g->commit + 1 - u->since; /* they are in their age-th commit, the first of which made them */
+    int64_t age = g->commit + 1 - u->since; /* this is the age-th commit with them */
     int64_t tests = cost_of_candidates((int64_t)g->candidates.n), moves = c->track - tests;
     int64_t renewal = cost_at_once(job, (int64_t)g->candidates.n);
     int64_t cost = renewal + u->spent - moves + tests * (age - 1);

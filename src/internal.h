@@ -906,7 +906,9 @@ struct grid {
     struct row_set row_set;   /* of all boxes that were pruned last, as they were then or with their skins, */
     uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping */
     size_t n_wide;
-    struct keys known; /* if knows_pairs, the keys of all active pairs, sorted */
+    size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last, */
+    uint32_t wide_found_in; /* in which commit */
+    struct keys known;      /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
     int will_know_pairs; /* within a commit: once it has succeeded, it knows them */
     int will_rest;       /* the same: static boxes rest from then on, and all others are put into cells */

@@ -227,8 +227,10 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     *p = all;
     msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
-    g->n_wide = p->n_wide;
+    g->wide_found = p->n_wide;
+    g->wide_found_in = g->commit;
     if (p->n_wide > MOST_WIDE) return UNSUITED;
+    g->n_wide = p->n_wide;
     memcpy(g->wide, p->wide, p->n_wide * sizeof *g->wide);
     return 1;
 }
@@ -261,15 +263,13 @@ int msap_grid_jump(struct grid *g, struct job *job)
 }
 
 /* The same with new skins for all boxes, in which they rest from the end of the commit on (renew.c); wide
- * ones are put into cells then. Returns 0 without memory, and UNSUITED, with nothing done, where there are
+ * ones are put into cells then. Returns 0 without memory, and UNSUITED, with no pair looked at, where there are
  * many of these. */
 int msap_grid_jump_into_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     complete_before(job->boxes);
-    int done = msap_renewal_at_once(g, job);
-    g->n_wide = r->n_wide;
-    if (!done) return r->n_wide > MOST_WIDE ? UNSUITED : 0;
+    if (!msap_renewal_at_once(g, job)) return r->n_wide > MOST_WIDE ? UNSUITED : 0;
     struct jump j = {.grid = g,
                      .job = job,
                      .pruning = {.set = &r->set,
@@ -280,7 +280,7 @@ int msap_grid_jump_into_skins(struct grid *g, struct job *job)
                                  .entries = r->entries},
                      .has_skins = 1};
     keys_exchange(&job->worker->pairs, &r->found);
-    done = find_pairs(&j);
+    int done = find_pairs(&j);
     keys_exchange(&job->worker->pairs, &r->found);
     if (!done) return 0;
     msap_touch_known_pairs(job);

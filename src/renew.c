@@ -116,7 +116,7 @@ int64_t msap_trial_count(const struct grid *g)
     const struct renewal *r = &g->renewal;
     const struct box_table *t = g->boxes;
     size_t step = one_in(r->slots), n = 0;
-    for (size_t slot = 0; slot < r->slots && slot < t->used; slot += step) {
+    for (size_t slot = 0; slot < r->slots; slot += step) {
         if ((t->at[slot].flags & (BOX_LIVE | BOX_FITTED)) != (BOX_LIVE | BOX_FITTED)) continue;
         const struct readable skin = {r->fat[slot], 0};
         n += !contains(&skin.bounds, &t->at[slot].now);
@@ -167,7 +167,8 @@ static int count_rows(struct grid *g, struct job *job)
     msap_rows_choose(&p, g->commit, COMMITS);
     lend_scratch(r, job);
     if (!msap_rows_count(&p, &r->words)) return 0;
-    r->n_wide = p.n_wide;
+    r->n_wide = g->wide_found = p.n_wide;
+    g->wide_found_in = g->commit;
     if (p.n_wide > MOST_WIDE) return 0;
     for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     r->order = p.order;
@@ -239,7 +240,7 @@ static int find_candidates(struct grid *g, struct job *job)
     keys_exchange(&job->worker->pairs, &r->found);
     int done = msap_phase_run(job->crew, job->memory, sweep, &part, r->swept - part.from, WEIGHT_ROW_BOX);
     keys_exchange(&job->worker->pairs, &r->found);
-    return done && r->found.n <= UINT32_MAX; /* what is named by more bits takes 32 GB */
+    return done && r->found.n <= UINT32_MAX; /* GCOVR_EXCL_BR_LINE: what is named by more bits takes 32 GB */
 }
 
 /* ------------------------------------------------------------------- step 4 */
@@ -299,17 +300,16 @@ static void give_back(struct grid *g, struct job *job)
     struct keys *c = &g->candidates;
     msap_renewal_free(&g->renewal, job->memory);
     msap_scratch_free(job->scratch, job->memory);
-    if (c->room / 2 > c->n + c->n / 8)
-        msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
+    msap_memory_shrink(job->memory, &c->at, &c->room, c->n + c->n / 8, sizeof *c->at);
 }
 
-/* When a world is loaded: takes room for the rows and candidates of its first renewal and writes to it, so that this
- * does not wait for new pages. Where memory lacks it asks again. */
+/* When a world is loaded: takes room for the rows and candidates of its first renewal and writes to it, so that
+ * this does not wait for new pages. Where memory lacks it asks again. */
 static void take_ahead(struct grid *g, struct memory *m)
 {
     struct renewal *r = &g->renewal;
     if (msap_row_set_make(&r->set, m, r->entries)) memset(r->set.words, 0, r->set.room * sizeof *r->set.words);
-    if (g->candidates.n > 0 && msap_keys_reserve(&r->found, m, g->candidates.n))
+    if (msap_keys_reserve(&r->found, m, g->candidates.n + 1))
         memset(r->found.at, 0, r->found.room * sizeof *r->found.at);
 }
 
@@ -388,9 +388,12 @@ int msap_renewal_at_once(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     r->next = NO_RENEWAL;
-    if (!make_skins(g, job) || !make_more_skins(g, job) || !count_rows(g, job) || !sort_rows(g, job) ||
-        !list_rows(g, job) || !fill_rows(g, job))
-        return 0;
+    r->n_wide = 0;
+    if (!make_skins(g, job)) return 0;
+    make_more_skins(g, job);
+    if (!count_rows(g, job) || !sort_rows(g, job)) return 0;
+    list_rows(g, job);
+    if (!fill_rows(g, job)) return 0;
     r->is_told = 1;
     r->next = CHANGE_SKINS;
     return 1;

@@ -5,6 +5,8 @@
  * twice, whatever happens between the steps: boxes come, go and come again in the same slots, jump, stand
  * still or grow. It looks behind the interface to see which step is next.
  */
+#include <math.h>
+
 #define box inner_box /* the tests have a struct of that name */
 #include "../../src/internal.h"
 #undef box
@@ -180,6 +182,29 @@ START_TEST(sparse_boxes_drift)
         right(session_compare(&w.s));
         right(session_close(&w.s));
     }
+}
+END_TEST
+
+/* Boxes that were wide and many, so that no others could have skins, go: some time later these do. */
+START_TEST(giants_go)
+{
+    walkers w;
+    int frames = 0;
+    open_walk(&w, _i, 3, 24);
+    put_some(&w, 300, 0.02f, 0);
+    for (int i = 0; i < 80; i++) put(&w, box_of(0.2f * (float)i, -90, -90, 0.2f * (float)i + 0.125f, 90, 90), 0, 0);
+    for (int i = 0; i < 3; i++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    ck_assert(!grid_of(&w)->in_skins);
+    while (w.n > 300) take_away(&w, w.n - 1);
+    for (; frames < 600 && !grid_of(&w)->in_skins; frames++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    ck_assert(grid_of(&w)->in_skins || !is_free(&w));
+    right(session_close(&w.s));
 }
 END_TEST
 
@@ -407,7 +432,7 @@ static void walk_with_wide(int row, int wide)
     for (int frame = 0; frame < 16; frame++) {
         walk(&w, 0);
         end_frame(&w);
-        if (is_free(&w) && frame == 0) ck_assert_uint_eq(grid_of(&w)->n_wide, (size_t)wide);
+        if (is_free(&w) && frame == 0) ck_assert_uint_eq(grid_of(&w)->wide_found, (size_t)wide);
     }
     if (is_free(&w)) ck_assert_int_eq(grid_of(&w)->in_skins, wide < MOST_WIDE);
     right(session_close(&w.s));
@@ -541,17 +566,25 @@ START_TEST(memory_is_given_back_between_the_steps)
 }
 END_TEST
 
+enum { AT_ONCE, LATER, SPARSE, TURNING, WITH_MORE, WALKS };
+
 /* Boxes walk by up to `step`, and the n-th allocation fails, from the commit on in which all come and are put in
- * skins, or from the next one on. Returns whether there was one. */
-static size_t walk_without_memory(int row, float step, int later, size_t n)
+ * skins; or from the next one on: then few may overlap; they may turn soon, so that the skins to come do not suit them
+ * any more; or more may come in each commit. Returns whether there was such an allocation. */
+static size_t walk_without_memory(int row, float step, int how, size_t n)
 {
+    const uint32_t size[2][3] = {{16, 12, 8}, {48, 36, 24}};
     walkers w;
     open_walk(&w, row, 3, 10);
-    put_some(&w, 260, step, 2);
+    for (int i = 0; i < 260; i++) put(&w, in_block(&w, size[how == SPARSE]), step, i % 8 ? 0 : MSAP_STATIC);
     walk(&w, 0);
-    if (later) end_frame(&w);
+    if (how != AT_ONCE) end_frame(&w);
+    if (how == TURNING) w.turn = 3;
     w.s.memory.fail_at = w.s.memory.calls + n;
     for (int frame = 0; frame < 15; frame++) {
+        struct grid *g = &w.s.world->grid;
+        if (how == WITH_MORE) put_some(&w, 12, step, 2);
+        if (how == WITH_MORE && frame == 2) g->layout[g->current].chosen_for = 1; /* and cells suit no more */
         walk(&w, 0);
         end_frame(&w);
     }
@@ -567,8 +600,157 @@ START_TEST(without_memory)
     static const float step[] = {0.08f, 0.05f, 0.01f};
     if (!chooses(_i)) return;
     for (size_t k = 0; k < COUNT(step); k++)
-        for (int later = 0; later < 2; later++)
-            for (size_t n = 1; walk_without_memory(_i, step[k], later, n) > 0;) n++;
+        for (int how = AT_ONCE; how < (_i == DEFAULT ? WALKS : SPARSE); how++)
+            for (size_t n = 1; walk_without_memory(_i, step[k], how, n) > 0;) n++;
+}
+END_TEST
+
+/* While all boxes are pruned more come, and skins are to be tried: the n-th allocation fails. Returns whether there
+ * was one. */
+static size_t try_without_memory(size_t n)
+{
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 18);
+    put_some(&w, 260, 3, 0);
+    for (int frame = 0; frame < 6; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    ck_assert(grid_of(&w)->is_jumping);
+    put_some(&w, 500, 3, 0);
+    w.s.world->grid.upkeep.not_before = 0;
+    w.s.memory.fail_at = w.s.memory.calls + n;
+    for (int frame = 0; frame < 6; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    size_t failures = w.s.memory.failures;
+    right(session_close(&w.s));
+    return failures;
+}
+
+START_TEST(a_trial_without_memory)
+{
+    for (size_t n = 1; try_without_memory(n) > 0;) n++;
+}
+END_TEST
+
+/* ------------------------------------------------------------------ choosing */
+
+/* Boxes that drift where few overlap, until they have been in the same skins for so many commits or more. */
+static void drift_for(walkers *w, uint32_t n, uint32_t commits)
+{
+    const uint32_t size[3] = {22, 22, 10};
+    const struct grid *g = grid_of(w);
+    w->turn = 1000;
+    for (uint32_t i = 0; i < n; i++) put(w, in_block(w, size), 0.025f, 0);
+    for (int frame = 0; frame < 100; frame++) {
+        walk(w, 0);
+        end_frame(w);
+        if (!g->upkeep.is_first && g->commit - g->upkeep.since >= commits && g->renewal.next == NO_RENEWAL) return;
+    }
+    ck_abort_msg("skins did not last");
+}
+
+/* Skins that lasted long are left by a third of the boxes in one commit. */
+START_TEST(long_skins_are_left_at_once)
+{
+    const uint32_t size[3] = {22, 22, 10};
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 19);
+    drift_for(&w, 1000, 14);
+    for (uint32_t i = 0; i < w.n; i += 3) set(&w, i, in_block(&w, size));
+    for (int frame = 0; frame < 8; frame++) {
+        end_frame(&w);
+        walk(&w, 0);
+    }
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* Where few boxes are left there are no skins any more. */
+START_TEST(few_are_left)
+{
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 20);
+    put_some(&w, 300, 0.15f, 0);
+    for (int frame = 0; frame < 60; frame++) {
+        walk(&w, 0);
+        if (frame == 20)
+            while (w.n > 240) take_away(&w, w.n - 1);
+        end_frame(&w);
+    }
+    ck_assert(!grid_of(&w)->in_skins);
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* Skins that lasted are to be left soon: all get new ones if that has paid; if boxes that left them have cost more
+ * than to prune all, none does for a while; and if they have cost very much, one commit more does not matter. */
+START_TEST(skins_that_have_not_paid)
+{
+    int begun = 0, given_up = 0, ignored = 0;
+    for (int64_t spent = 400000; spent <= 1200000; spent += 40000) {
+        walkers w;
+        open_walk(&w, DEFAULT, 3, 21);
+        drift_for(&w, 1000, 26);
+        struct grid *g = &w.s.world->grid;
+        for (int i = 0; i < 1000; i++)
+            for (int k = 0; k < 3; k++) w.step[i][k] *= 4;
+        g->upkeep.spent = spent;
+        g->upkeep.wait = 0;
+        uint32_t since = g->upkeep.since;
+        for (int frame = 0; frame < 3 && g->renewal.next == NO_RENEWAL && g->upkeep.wait == 0; frame++) {
+            walk(&w, 0);
+            end_frame(&w);
+        }
+        begun += g->renewal.next != NO_RENEWAL || g->upkeep.since != since;
+        given_up += g->upkeep.wait > 0;
+        ignored += g->renewal.next == NO_RENEWAL && g->upkeep.since == since && g->upkeep.wait == 0;
+        right(session_close(&w.s));
+    }
+    ck_assert_msg(begun > 0 && given_up > 0 && ignored > 0, "%d, %d, %d", begun, given_up, ignored);
+}
+END_TEST
+
+/* How skins would do is estimated from the boxes in some slots: there may be none in these. */
+START_TEST(no_box_is_asked_about_skins)
+{
+    enum { ASKED = MOST / 32 + 1 /* one slot in so many */ };
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 22);
+    put_some(&w, MOST, 0.05f, 0);
+    walk(&w, 0);
+    end_frame(&w);
+    for (uint32_t i = w.n; i-- > 0;)
+        if ((w.handles[i] >> 32) % ASKED == 0) take_away(&w, i);
+    for (int frame = 0; frame < 20; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    right(session_close(&w.s));
+}
+END_TEST
+
+/* Far away, where a step is a few units in the last place. */
+START_TEST(boxes_crawl)
+{
+    walkers w;
+    open_walk(&w, _i, 3, 23);
+    for (int i = 0; i < 320; i++) {
+        const uint32_t size[3] = {16, 12, 8};
+        box b = in_block(&w, size);
+        for (int k = 0; k < 3; k++) {
+            b.min[k] = 16777216 + 2 * floorf(b.min[k]);
+            b.max[k] = b.min[k] + 4;
+        }
+        put(&w, b, 2, 0);
+    }
+    for (int frame = 0; frame < 60; frame++) {
+        walk(&w, 0);
+        end_frame(&w);
+    }
+    right(session_close(&w.s));
 }
 END_TEST
 
@@ -660,6 +842,9 @@ START_TEST(broken_candidates)
         walk(&w, 0);
         end_frame(&w);
     }
+    uint32_t gone = (uint32_t)(w.handles[7] >> 32);
+    take_away(&w, 7);
+    end_frame(&w);
     struct grid *g = &w.s.world->grid;
     uint64_t *c = g->candidates.at, was = *c;
     struct inner_box *p = &g->boxes->at[was >> 32], *q = &g->boxes->at[near_slot((uint32_t)was)];
@@ -689,6 +874,12 @@ START_TEST(broken_candidates)
     q->flags = flags[1];
     *c = (uint64_t)g->boxes->used << 32 | (uint32_t)was;
     is_broken(w.s.world, "a candidate is not in the grid");
+    *c = (was & ~(uint64_t)0x7fffffff) | g->boxes->used;
+    is_broken(w.s.world, "a candidate is not in the grid");
+    *c = (uint64_t)gone << 32 | (uint32_t)was;
+    is_broken(w.s.world, "a candidate is not in the grid");
+    *c = (was & ~(uint64_t)0x7fffffff) | gone;
+    is_broken(w.s.world, "a candidate is not in the grid");
     *c = (was & 0xffffffff) | (uint64_t)0 << 32;
     for (uint32_t i = 0; i < g->boxes->used; i++)
         if (rests(g, &g->boxes->at[i]) && !overlap(&g->boxes->at[i].fat, &q->fat) &&
@@ -707,6 +898,7 @@ int main(void)
     tcase_add_loop_test(tests, all_walk, 0, SETUPS);
     tcase_add_loop_test(tests, some_are_in_a_hurry, 0, SETUPS);
     tcase_add_test(tests, sparse_boxes_drift);
+    tcase_add_loop_test(tests, giants_go, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_in_a_trial, 0, SETUPS);
     tcase_add_loop_test(tests, all_happens_at_once, 0, SETUPS);
@@ -720,6 +912,12 @@ int main(void)
     tcase_add_loop_test(tests, who_does_not_move_needs_no_skin, 0, SETUPS);
     tcase_add_loop_test(tests, memory_is_given_back_between_the_steps, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
+    tcase_add_test(tests, a_trial_without_memory);
+    tcase_add_test(tests, long_skins_are_left_at_once);
+    tcase_add_test(tests, few_are_left);
+    tcase_add_test(tests, skins_that_have_not_paid);
+    tcase_add_test(tests, no_box_is_asked_about_skins);
+    tcase_add_loop_test(tests, boxes_crawl, 0, SETUPS);
     tcase_add_test(tests, all_is_tried_again);
     tcase_add_test(tests, junk_in_memory_means_nothing);
     tcase_add_test(tests, broken_candidates);
