@@ -45,10 +45,9 @@ static uint64_t count_cells_of(const struct grid *g, uint32_t slot)
 static int is_rounded_otherwise(const struct layout *l, const struct box *b, const struct rounded *known)
 {
     struct spot spot;
-    struct rounded *r = &spot.rounded;
+    const struct rounded *r = &spot.rounded;
     spot_of(l, &b->fat, &spot);
-    if (b->level != spot.level || !rounded_on(l, b->level, &spot, r)) return 1;
-    return memcmp(r->low, known->low, 3 * sizeof *r->low) != 0 ||
+    return b->level != spot.level || memcmp(r->low, known->low, 3 * sizeof *r->low) != 0 ||
            memcmp(r->high, known->high, 3 * sizeof *r->high) != 0;
 }
 

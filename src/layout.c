@@ -188,7 +188,7 @@ static void choose_steps(struct layout *l, const struct spread *s, uint32_t k, i
     int step;
     if (is_divided) step = msap_exponent_for((l->is_told ? l->width[k] : 1) / (double)l->scale[k]) - STEPS_BITS;
     else step = msap_exponent_for(larger(s->size / (1 << STEPS_BITS), s->extent / MOST_STEPS));
-    double fine = msap_power_of_two(step > WIDEST_CELL ? -WIDEST_CELL : -step);
+    double fine = msap_power_of_two(-step); /* spread tells of no size above 1e30, of no extent above 2^129 */
     double middle = within((s->low + s->extent / 2) * fine, most);
     double end = is_divided ? within(MOST_UNITS / l->scale[k] * fine, most) : 0;
     l->fine[k] = (float)fine;

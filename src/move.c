@@ -211,13 +211,11 @@ static int renew_list(struct grid *g, const struct job *job, const struct region
     return 1;
 }
 
-/* Whether two boxes are neighbours. Two may be static: when rows change, what they say of a slot may be
- * of another box than has it now, and until that one is put elsewhere it is found. */
+/* Whether two boxes that were neighbours still are. */
 int msap_is_near(const void *grid, uint32_t a, uint32_t b)
 {
     const struct grid *g = grid;
-    const struct box *p = &g->boxes->at[a], *q = &g->boxes->at[b];
-    if (p->flags & q->flags & BOX_STATIC) return 0;
+    const struct box *q = &g->boxes->at[b];
     int is_in = q->level != NO_LEVEL || (rests(g, q) && q->flags & BOX_LIVE);
     return is_in && overlap(bounds_in_grid(g, a), bounds_in_grid(g, b));
 }

@@ -134,8 +134,7 @@ static void create_pair(struct pair_table *t, const struct box_table *boxes, uin
 static void fetch_soon(const struct pair_table *t, uint64_t key) { prefetch(&t->first[home(t, key)]); }
 static void fetch_next(const struct pair_table *t, uint64_t key)
 {
-    uint32_t index = t->first[home(t, key)];
-    if (index == NONE) return;
+    uint32_t index = t->first[home(t, key)]; /* of this pair or of another one: it is active */
     prefetch(&t->at[index]);
     prefetch(&t->next[index]);
 }
@@ -147,7 +146,7 @@ void msap_pairs_apply(struct pair_table *t, const struct box_table *boxes, const
     enum { AHEAD = 24, NEXT = 12 };
     for (size_t i = doomed->n; i-- > 0;) { /* the first ends up first */
         if (i >= AHEAD) fetch_soon(t, doomed->at[i - AHEAD]);
-        if (i >= AHEAD && t->active > AHEAD) fetch_soon(t, pair_key_at(t, (uint32_t)t->active - AHEAD));
+        if (i >= AHEAD) fetch_soon(t, pair_key_at(t, (uint32_t)t->active - AHEAD)); /* more than i are active */
         if (i >= NEXT) fetch_next(t, doomed->at[i - NEXT]);
         delete_pair(t, doomed->at[i]);
     }

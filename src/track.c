@@ -235,7 +235,7 @@ static int track_in_skins(struct grid *g, struct job *job, size_t misplaced, int
     g->moves = misplaced;
     size_t gone = removed_first(job->boxes, misplaced), n = misplaced - gone;
     uint32_t *slot = job->boxes->left + gone;
-    if (!leave_all(g, job, gone, by_cell)) return 0;
+    leave_all(g, job, gone, by_cell); /* it takes memory only where boxes rest without skins */
     if (by_cell) msap_order_by_cell(g, job, slot, n);
     return msap_place_all(g, job, slot, n) && msap_candidates_find(g, job, slot, n);
 }

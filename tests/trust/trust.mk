@@ -80,7 +80,7 @@ analyse: $(LCM_GENERATED) ## the code with gcc -fanalyzer, clang-tidy and cppche
 # cover FOLDER,FLAGS,TARGETS
 define cover
 $(again) -j2 -O BUILD=$(BUILD)/$(1) LCM=no CFLAGS='-O2 -g $(2)' LDFLAGS=--coverage \
-    FUZZ_WATCH='-O0 --coverage -fprofile-update=atomic' $(3)
+    FUZZ_WATCH='-O0 --coverage -fprofile-update=atomic -DALWAYS_INLINE=inline' $(3)
 endef
 
 coverage: ## lines and branches of src/ that the tests reach, of which none may be missing

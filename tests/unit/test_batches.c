@@ -243,6 +243,28 @@ START_TEST(of_a_handle_twice_the_last_update_counts)
 }
 END_TEST
 
+/* A box in an order that is none of the table, among which is one that never was. */
+START_TEST(a_box_that_never_was)
+{
+    enum { MANY = 300 };
+    static msap_handle handles[MANY];
+    static box bounds[MANY];
+    msap_world *world = new_world(3, _i);
+    msap_boxes boxes = boxes_in_row(bounds);
+    msap_error error = {.struct_size = sizeof error};
+    for (int i = 0; i < MANY; i++) {
+        bounds[i] = bar((float)(2 * i), (float)(2 * i) + 1);
+        handles[i * 7 % MANY] = add(world, bounds[i]);
+    }
+    handles[200] += (msap_handle)100000 << 32;
+    refused(msap_update_many(world, MANY, handles, &boxes), MSAP_ERROR_HANDLE);
+    ok(msap_last_error(world, &error));
+    ck_assert_uint_eq(error.index, 200);
+    commit(world, 0, 0, 0);
+    ok(msap_destroy(world));
+}
+END_TEST
+
 /* The second time it is stale, and nothing is removed. */
 START_TEST(a_handle_twice_in_removals)
 {
@@ -322,6 +344,7 @@ int main(void)
     tcase_add_loop_test(tests, doubles_are_rounded_outward, 0, COUNT(roundings));
     tcase_add_test(tests, a_batch_of_none);
     tcase_add_loop_test(tests, of_a_handle_twice_the_last_update_counts, 0, SETUPS);
+    tcase_add_loop_test(tests, a_box_that_never_was, 0, SETUPS);
     tcase_add_test(tests, a_handle_twice_in_removals);
     tcase_add_test(tests, a_refused_batch_keeps_what_was_pending);
     tcase_add_test(tests, flags_and_user_data_of_a_batch);

@@ -31,6 +31,18 @@ START_TEST(infinite_boxes)
 }
 END_TEST
 
+/* All that is between the infinities, forty times, and points here and there. */
+START_TEST(boxes_as_large_as_can_be)
+{
+    msap_world *world = new_world(3, _i);
+    for (int i = 0; i < 40; i++) add(world, cube(-MAX, MAX));
+    commit(world, 0, 780, 780);
+    for (int i = 0; i < 10; i++) add(world, cube((float)i * (MAX / 10), (float)i * (MAX / 10)));
+    commit(world, 0, 400, 1180);
+    ok(msap_destroy(world));
+}
+END_TEST
+
 START_TEST(the_whole_space_leaves_and_returns)
 {
     msap_world *world = new_world(3, _i);
@@ -155,6 +167,7 @@ int main(void)
 {
     TCase *tests = tcase_create("hard numbers");
     tcase_add_loop_test(tests, infinite_boxes, 0, SETUPS);
+    tcase_add_loop_test(tests, boxes_as_large_as_can_be, 0, SETUPS);
     tcase_add_loop_test(tests, the_whole_space_leaves_and_returns, 0, SETUPS);
     tcase_add_loop_test(tests, one_ulp_apart, 0, SETUPS);
     tcase_add_loop_test(tests, subnormals_are_not_zero, 0, SETUPS);

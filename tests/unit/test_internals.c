@@ -184,6 +184,8 @@ BREAK(out_of_its_skin, SET(BOX(MIDDLE).fat.max[0], BEFORE(MIDDLE).max[0] - 1))
 BREAK(row_of_no_slot, IN_CELL(FAR, SET(c->block[row / 8].id[row % 8], (uint32_t)w->boxes.used)))
 BREAK(row_of_absent, IN_CELL(FAR, SET(c->block[row / 8].id[row % 8], FRESH)))
 BREAK(other_bounds_in_cell, IN_CELL(FAR, SET(c->block[row / 8].high[0][row % 8], (uint16_t)(c->block[row / 8].high[0][row % 8] + 1))))
+BREAK(other_low_in_cell, IN_CELL(FAR, SET(c->block[row / 8].low[0][row % 8], (uint16_t)(c->block[row / 8].low[0][row % 8] - 1))))
+BREAK(other_level, IN_CELL(FAR, (void)row; (void)c; SET(BOX(FAR).level, (uint8_t)(BOX(FAR).level + 1))))
 BREAK(static_among_moving, IN_CELL(STATIC_A, SET(c->n_moving, c->n_moving + 1)))
 BREAK(more_than_room, IN_CELL(FAR, (void)row; SET(c->room, 0)))
 BREAK(more_moving_than_all, IN_CELL(FAR, (void)row; SET(c->n_moving, c->n + 1)))
@@ -269,6 +271,8 @@ static const struct {
     {DEFAULT, row_of_no_slot, "a cell names a box that is not in the grid"},
     {DEFAULT, row_of_absent, "a cell names a box that is not in the grid"},
     {DEFAULT, other_bounds_in_cell, "a cell has other bounds than the box's fat ones"},
+    {DEFAULT, other_low_in_cell, "a cell has other bounds than the box's fat ones"},
+    {DEFAULT, other_level, "a cell has other bounds than the box's fat ones"},
     {DEFAULT, static_among_moving, "a cell mixes static and moving"},
     {DEFAULT, more_than_room, "a cell is overfull"},
     {DEFAULT, more_moving_than_all, "a cell is overfull"},

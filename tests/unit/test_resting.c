@@ -245,6 +245,26 @@ START_TEST(a_crowd_leaves_a_box_that_rests)
 }
 END_TEST
 
+/* Many of a crowd around a box that moves go in one commit, while others rest. */
+START_TEST(many_of_a_crowd_go)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    put_floor(&l, 900, 900);
+    put(&l, box_of(0, 0, 5, 5, 5, 6), 0);
+    for (int i = 0; i < 100; i++) put(&l, cube(1, 5.5f), 0);
+    step(&l);
+    for (uint32_t i = 900; i < l.n; i++) {
+        l.bounds[i].max[2] += 0.0625f;
+        right(session_update(&l.s, l.handles[i], &l.bounds[i]));
+    }
+    step(&l);
+    for (int i = 0; i < 60; i++) take_away(&l, l.n - 1);
+    step(&l);
+    right(session_close(&l.s));
+}
+END_TEST
+
 /* Where very many boxes touch many rows, nothing is pruned, and boxes rest no more when that was tried. */
 START_TEST(giants_where_boxes_rest)
 {
@@ -495,6 +515,7 @@ int main(void)
     tcase_add_loop_test(tests, more_is_loaded, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_do_not_rest, 0, SETUPS);
     tcase_add_loop_test(tests, a_crowd_leaves_a_box_that_rests, 0, SETUPS);
+    tcase_add_loop_test(tests, many_of_a_crowd_go, 0, SETUPS);
     tcase_add_loop_test(tests, giants_where_boxes_rest, 0, SETUPS);
     tcase_add_loop_test(tests, two_that_rested_together, 0, SETUPS);
     tcase_add_loop_test(tests, many_go, 0, SETUPS);

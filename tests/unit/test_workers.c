@@ -214,6 +214,26 @@ START_TEST(workers_come_to_the_same)
 }
 END_TEST
 
+/* Most boxes come when the cells have been chosen for the others, which are in those when all move. */
+START_TEST(workers_move_boxes_of_an_old_layout)
+{
+    msap_config config = config_for(_i);
+    choir *c = choir_open(&config, SMALL_GRAIN);
+    choose_bounds(c, 0, BOXES);
+    choir_add(c, 0, BOXES / 4, 0);
+    choir_commit(c, 1);
+    choir_add(c, BOXES / 4, BOXES, 0);
+    choir_commit(c, 1);
+    for (int frame = 0; frame < 3; frame++) {
+        step_aside(c, 0, BOXES, 0.5f);
+        choir_update(c, 0, BOXES);
+        choir_commit(c, 1);
+    }
+    choir_is_right(c, BOXES);
+    choir_close(c);
+}
+END_TEST
+
 /* A crowd in a long tunnel along each axis: boxes with some 60 neighbours, more of whom come and go
  * in each commit than a worker has room for; one in five is static. What workers are lent comes
  * back: a world does not grow on and on. */
@@ -572,6 +592,7 @@ int main(void)
 {
     TCase *tests = tcase_create("workers");
     tcase_add_loop_test(tests, workers_come_to_the_same, 0, CONFIGS);
+    tcase_add_loop_test(tests, workers_move_boxes_of_an_old_layout, 0, CONFIGS);
     tcase_add_loop_test(tests, workers_move_a_crowd, 0, 3 * 2);
     tcase_add_test(tests, workers_undo_what_is_refused);
     tcase_add_test(tests, workers_update_in_any_order);
