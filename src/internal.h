@@ -770,11 +770,9 @@ struct rows {
 #define ROW_STARTS_2 0x40000000u
 #define ROW_MOVES ((uint32_t)BOX_STATIC << ROW_SHIFT)
 #define ROW_MARKS (ROW_STARTS_1 | ROW_STARTS_2 | ROW_MOVES)
-/* Or: it was not there at the last commit. */
-#define ROW_NEW ((uint32_t)BOX_WAS << ROW_SHIFT)
 enum { ROW_SHIFT = 27 }; /* from a flag to the mark of the boxes that do not have it */
 
-static inline uint32_t row_slot(uint32_t id) { return id & ~(ROW_MARKS | ROW_NEW); }
+static inline uint32_t row_slot(uint32_t id) { return id & ~ROW_MARKS; }
 
 /* Boxes row after row, each row sorted by min[0], the sweep axis; split arrays. So that those can be found that
  * reach a place, `reach` tells of each REACH boxes of a row where they and those before them in the row end at

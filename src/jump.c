@@ -28,17 +28,9 @@ struct jump {
     int has_skins;    /* the rows hold skins, and what is found are candidates, which are kept */
 };
 
-/* Settles a pair that overlaps. Pairs of a box that is new are new, wherever it was before. */
-static void settle_one(struct settler *s, uint32_t a, uint32_t b)
-{
-    if ((a | b) & ROW_NEW) msap_settle_change(s, pair_key(row_slot(a), row_slot(b)), 1);
-    else settle_found(s, a, b);
-}
-
-/* Whether four pairs overlapped before, and no box of them is new. */
+/* Whether four pairs overlapped before. */
 static inline int are_known(const struct past *past, const uint32_t *a, const uint32_t *b)
 {
-    if ((a[0] | b[0] | a[1] | b[1] | a[2] | b[2] | a[3] | b[3]) & ROW_NEW) return 0;
     return overlaps_of(gaps_of(&past[a[0]].before, &past[b[0]].before),
                        gaps_of(&past[a[1]].before, &past[b[1]].before),
                        gaps_of(&past[a[2]].before, &past[b[2]].before),
@@ -52,9 +44,9 @@ static void settle_taken(struct settler *s, const struct pair_buffer *taken)
     s->touched += taken->n;
     for (; taken->n - i >= 4; i += 4) {
         if (are_known(s->boxes->past, taken->a + i, taken->b + i)) continue;
-        for (size_t k = i; k < i + 4; k++) settle_one(s, taken->a[k], taken->b[k]);
+        for (size_t k = i; k < i + 4; k++) settle_found(s, taken->a[k], taken->b[k]);
     }
-    for (; i < taken->n; i++) settle_one(s, taken->a[i], taken->b[i]);
+    for (; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
 }
 
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
@@ -222,8 +214,8 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
                                 .set = &g->row_set,
                                 .slots = job->boxes->used,
                                 .bounds = bounds_now(job->boxes)};
-    if (job->boxes->used > ROW_NEW) /* GCOVR_EXCL_BR_LINE: 2^28 boxes, and a slot has no bits to spare */
-        return UNSUITED;            /* GCOVR_EXCL_LINE: the same */
+    if (job->boxes->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
+        return UNSUITED;              /* GCOVR_EXCL_LINE: the same */
     *p = all;
     msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
@@ -251,7 +243,6 @@ int msap_grid_jump(struct grid *g, struct job *job)
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
-    p->news = j.is_comparing ? 0 : ROW_NEW;
     complete_before(job->boxes);
     if (!msap_rows_sort(p)) return 0;
     msap_rows_list(p);

@@ -70,8 +70,8 @@ static int prepare_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     const struct box_table *t = job->boxes;
-    if (t->used > ROW_NEW) /* GCOVR_EXCL_BR_LINE: 2^28 boxes, and a slot has no bits to spare */
-        return 0;          /* GCOVR_EXCL_LINE: the same */
+    if (t->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
+        return 0;            /* GCOVR_EXCL_LINE: the same */
     if (!msap_memory_reserve(job->memory, &r->fat, &r->room_fat, t->used, 0, sizeof *r->fat)) return 0;
     r->slots = t->used;
     msap_upkeep_begins(g);

@@ -185,12 +185,12 @@ static void list_rows(const struct pruning *j)
     const struct rows rows_now = *j->rows, *r = &rows_now;
     const struct row_range *ranges = j->range;
     const uint64_t *order = j->order;
-    uint32_t *id = j->set->id, *end = j->end, marks = ROW_MOVES | j->news, nowhere = (uint32_t)j->entries;
+    uint32_t *id = j->set->id, *end = j->end, nowhere = (uint32_t)j->entries;
     for (size_t i = 0, n = j->n; i < n; i++) {
         uint32_t slot = key_box(order[i]);
         const struct row_range range = ranges[slot];
         if (n - i > AHEAD) prefetch(&ranges[key_box(order[i + AHEAD])]);
-        uint32_t name = slot | (~(uint32_t)range.flags << ROW_SHIFT & marks);
+        uint32_t name = slot | (~(uint32_t)range.flags << ROW_SHIFT & ROW_MOVES);
         if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, nowhere);
         else list_in_many(r, &range, name, end, id);
     }

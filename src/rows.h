@@ -69,7 +69,6 @@ struct pruning {
     struct row_set *set;
     size_t slots;                 /* of the boxes */
     struct bounds_by_slot bounds; /* of those that are pruned, in larger structs */
-    uint32_t news;                /* how boxes are marked that are new */
     uint64_t *order;              /* [n] keys of the boxes by their min on the sweep axis */
     struct row_range *range;      /* [slots] */
     uint32_t *wide;               /* [n_wide] slots of the wide boxes */
