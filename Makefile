@@ -261,6 +261,7 @@ programs: test-programs harnesses $(TRUST_PROGRAMS) ## build all that is run by 
 test-programs: all $(TEST_PROGRAMS)
 
 FORCE:
-.PHONY: all lib tool run check test programs test-programs asan asan-programs install install-lcm clean help FORCE $(SUITES:%=test-%)
+.PHONY: all lib tool run check test programs test-programs asan asan-programs install install-lcm clean help FORCE \
+    $(SUITES:%=test-%)
 .SECONDARY:
 -include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d)
