@@ -119,13 +119,14 @@ int msap_place_all(struct grid *g, const struct job *job, const uint32_t *slot, 
     return 1;
 }
 
-/* The same by a worker. Returns 0, with nothing done, if it may not. */
+/* The same by a worker, while all boxes that are in cells are in the current layout. Returns 0, with nothing done,
+ * if it may not. */
 static int place_own(struct grid *g, const struct region *own, uint32_t slot, struct spot *spot)
 {
     struct box *b = &g->boxes->at[slot], before = *b;
     uint16_t *start = g->boxes->past[slot].start, started[3] = {start[0], start[1], start[2]};
     const struct layout *l = &g->layout[g->current];
-    if (b->level != 0 || b->layout != g->current) return 0;
+    if (b->level != 0) return 0;
     struct range from = range_of(l, &b->fat);
     if (!is_within(own, l, &from, INSIDE)) return 0;
     renew_skin(g, slot);

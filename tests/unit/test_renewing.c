@@ -5,8 +5,6 @@
  * twice, whatever happens between the steps: boxes come, go and come again in the same slots, jump, stand
  * still or grow. It looks behind the interface to see which step is next.
  */
-#include <math.h>
-
 #define box inner_box /* the tests have a struct of that name */
 #include "../../src/internal.h"
 #undef box
@@ -741,8 +739,8 @@ START_TEST(boxes_crawl)
         const uint32_t size[3] = {16, 12, 8};
         box b = in_block(&w, size);
         for (int k = 0; k < 3; k++) {
-            b.min[k] = 16777216 + 2 * floorf(b.min[k]);
-            b.max[k] = b.min[k] + 4;
+            b.min[k] = 16777216 + 64 * b.min[k];
+            b.max[k] = b.min[k] + 64;
         }
         put(&w, b, 2, 0);
     }
