@@ -95,7 +95,7 @@ check: ## install what is missing, build, run all tests
 	@.ci/setup check
 	@$(MAKE) --no-print-directory test
 
-SUITES = asan-unit build python unit asan-rest differential command examples corpus trust abi
+SUITES = asan-unit build python unit asan-rest trust differential command examples corpus abi
 
 # Two suites at a time, the longest first; what they share is built before. What a suite prints comes
 # when it has ended, in one piece.

@@ -201,7 +201,7 @@ BREAK(more_above_than_all, SET(NEAR(LOW).n_above, NEAR(LOW).n + 1))
 BREAK(left_untidy, SET(NEAR(LOW).noted, 1))
 BREAK(list_not_in_order, SET(NEAR(LOW).n_above, NEAR(LOW).n_above - 1))
 BREAK(not_mutual, SET(NEAR(HIGH).n, NEAR(HIGH).n - 1))
-BREAK(pair_no_neighbours, SET(PAIRS.active, PAIRS.active + 1))
+BREAK(pair_no_neighbours, SET(PAIRS.active, PAIRS.active - 1))
 
 /* A list of known pairs as after a commit that compared, of so many of two keys. */
 static uint64_t known[2];
