@@ -543,35 +543,6 @@ START_TEST(motion_can_deceive)
 }
 END_TEST
 
-/* Boxes that move by next to nothing and leave their margins all the same: how far motion deceives has a limit. */
-START_TEST(motion_says_next_to_nothing)
-{
-    enum { LONELY = 250, GROUP = 44, STEPS = 7 };
-    msap_config config = config_of(3, DEFAULT);
-    session s;
-    config.margin = 1;
-    right(session_open(&s, &config, 32, SCENE_SPREAD));
-    for (int i = 0; i < LONELY; i++) {
-        float x = (float)(8 * (i % 16)), y = (float)(8 * (i / 16));
-        at[i] = box_of(x, y, 0, x + 1, y + 1, 1);
-        right(session_add(&s, &at[i], 0, &handles[i]));
-    }
-    right(session_commit(&s));
-    for (int step = 0; step < 2 * STEPS; step++) {
-        for (int i = 0; i < LONELY; i++) { /* all go nearly to the ends, then one group after the other further */
-            int first = step % STEPS == 0;
-            if (!first && i / GROUP != step % STEPS - 1) continue;
-            at[i].min[2] += first ? 0.999f : 0.002f;
-            at[i].max[2] += first ? 0.999f : 0.002f;
-            right(session_update(&s, handles[i], &at[i]));
-        }
-        right(session_commit(&s));
-        right(session_compare(&s));
-    }
-    right(session_close(&s));
-}
-END_TEST
-
 enum { DRIFTING = 150000 }; /* more than any choice tells apart */
 
 /* How many of the last four commits prune a world of so many boxes while they all drift; its pairs must be
@@ -837,7 +808,6 @@ int main(void)
     }
     tcase_add_loop_test(tests, cells_are_kept_while_they_pay, 0, 2);
     tcase_add_loop_test(tests, motion_can_deceive, 0, 2);
-    tcase_add_test(tests, motion_says_next_to_nothing);
     tcase_add_test(tests, drifting_boxes_are_not_pruned);
     tcase_add_test(tests, boxes_that_crawl_far_away);
     tcase_add_loop_test(tests, first_skins_do_not_count, 0, 2);
