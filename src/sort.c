@@ -29,14 +29,16 @@ void msap_keys_free(struct keys *k, struct memory *m)
 static int insertion_sort(uint64_t *key, size_t n, size_t most)
 {
     size_t moved = 0;
-    for (size_t i = 1; i < n && moved <= most; i++) {
+    for (size_t i = 1; i < n; i++) {
         uint64_t moving = key[i];
         size_t at = i;
+        if (key[at - 1] <= moving) continue;
         for (; at > 0 && key[at - 1] > moving; at--) key[at] = key[at - 1];
         key[at] = moving;
         moved += i - at;
+        if (moved > most) return 0;
     }
-    return moved <= most;
+    return 1;
 }
 
 /* Lets key[at] sink to its place in the heap of n. */
@@ -90,11 +92,27 @@ static struct difference difference_of(const uint64_t *key, size_t n)
 
 enum { DIGIT_MOST = 12 /* bits: the places of all digits stay in the cache */ };
 
-/* Of a key without the bits that are the same in both halves of all. */
-static inline size_t digit_of(uint64_t key, unsigned low, unsigned shift, size_t mask)
+/* A key without the bits that are the same in both halves of all keys, which differ in `low` bits of the
+ * lower one; and a digit of it. */
+static inline uint64_t packed(uint64_t key, unsigned low)
 {
-    uint64_t packed = key >> 32 << low | (key & (((uint64_t)1 << low) - 1));
-    return (size_t)(packed >> shift) & mask;
+    return key >> 32 << low | (key & (((uint64_t)1 << low) - 1));
+}
+
+struct digit {
+    unsigned shift;
+    size_t mask;
+};
+
+static inline struct digit digit_from(unsigned shift, unsigned bits)
+{
+    struct digit d = {shift, ((size_t)1 << bits) - 1};
+    return d;
+}
+
+static inline size_t digit_of(uint64_t packed_key, struct digit d)
+{
+    return (size_t)(packed_key >> d.shift) & d.mask;
 }
 
 /* Turns how many keys have each digit into where the first of them goes. */
@@ -108,30 +126,53 @@ static void place_digits(uint32_t *place, size_t digits)
     }
 }
 
-/* Orders by the digit of so many bits from `shift` on, keeping the order of keys with the
- * same. */
-static void radix_pass(const uint64_t *from, uint64_t *to, size_t n, unsigned low, unsigned shift, unsigned bits)
+/* Counts how many keys have each digit. */
+static void count_digits(const uint64_t *key, size_t n, unsigned low, struct digit d, uint32_t *count)
 {
-    uint32_t place[1 << DIGIT_MOST];
-    size_t mask = ((size_t)1 << bits) - 1;
-    memset(place, 0, (mask + 1) * sizeof *place);
-    for (size_t i = 0; i < n; i++) place[digit_of(from[i], low, shift, mask)]++;
-    place_digits(place, mask + 1);
-    for (size_t i = 0; i < n; i++) to[place[digit_of(from[i], low, shift, mask)]++] = from[i];
+    memset(count, 0, (d.mask + 1) * sizeof *count);
+    for (size_t i = 0; i < n; i++) count[digit_of(packed(key[i], low), d)]++;
 }
 
-/* Orders by the upper `bits` of the bits in which keys differ, `low` of them in the low halves. */
+/* Orders by a digit, keeping the order of keys with the same. */
+static void place_keys(const uint64_t *from, uint64_t *to, size_t n, unsigned low, struct digit d, uint32_t *place)
+{
+    for (size_t i = 0; i < n; i++) to[place[digit_of(packed(from[i], low), d)]++] = from[i];
+}
+
+/* The same, and counts the next digit meanwhile. */
+static void place_and_count(const uint64_t *from, uint64_t *to, size_t n, unsigned low, struct digit d,
+                            uint32_t *place, struct digit next, uint32_t *count)
+{
+    memset(count, 0, (next.mask + 1) * sizeof *count);
+    for (size_t i = 0; i < n; i++) {
+        uint64_t key = packed(from[i], low);
+        to[place[digit_of(key, d)]++] = from[i];
+        count[digit_of(key, next)]++;
+    }
+}
+
+/* Orders by the upper `bits`, of `all` in which keys differ, `low` of them in the low halves. */
 static void radix_sort(uint64_t *key, size_t n, uint64_t *scratch, unsigned low, unsigned all, unsigned bits)
 {
+    uint32_t places[2][1 << DIGIT_MOST], *place = places[0], *count = places[1];
     unsigned passes = (bits + DIGIT_MOST - 1) / DIGIT_MOST, shift = all - bits;
     uint64_t *from = key, *to = scratch;
+    if (passes == 0) return;
+    struct digit d = digit_from(shift, (bits + passes - 1) / passes);
+    count_digits(key, n, low, d, place);
     for (; passes > 0; passes--) {
-        unsigned digit = (all - shift + passes - 1) / passes;
-        radix_pass(from, to, n, low, shift, digit);
-        shift += digit;
+        shift += (all - shift + passes - 1) / passes;
+        struct digit next = digit_from(shift, passes > 1 ? (all - shift + passes - 2) / (passes - 1) : 0);
+        place_digits(place, d.mask + 1);
+        if (passes > 1) place_and_count(from, to, n, low, d, place, next, count);
+        else place_keys(from, to, n, low, d, place);
         uint64_t *swap = from;
+        uint32_t *swap_place = place;
         from = to;
         to = swap;
+        place = count;
+        count = swap_place;
+        d = next;
     }
     if (from != key) memcpy(key, from, n * sizeof *key);
 }
@@ -210,11 +251,13 @@ void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch, float low, flo
     msap_sort_keys(key, n, scratch);
 }
 
-/* Drops the repeats of a sorted array; returns how many keys are left. */
+/* Drops the repeats of a sorted array, which has none mostly; returns how many keys are left. */
 size_t msap_unique_keys(uint64_t *key, size_t n)
 {
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++)
-        if (kept == 0 || key[i] != key[kept - 1]) key[kept++] = key[i];
-    return kept;
+    size_t last = 0;
+    if (n == 0) return 0;
+    while (last + 1 < n && key[last] != key[last + 1]) last++;
+    for (size_t i = last + 1; i < n; i++)
+        if (key[i] != key[last]) key[++last] = key[i];
+    return last + 1;
 }
