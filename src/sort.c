@@ -93,17 +93,19 @@ static struct difference difference_of(const uint64_t *key, size_t n)
 enum { DIGIT_MOST = 12 /* bits: the places of all digits stay in the cache */ };
 
 /* A key without the bits that are the same in both halves of all keys, which differ in `low` bits of the
- * lower one; and a digit of it. */
+ * lower one. */
 static inline uint64_t packed(uint64_t key, unsigned low)
 {
     return key >> 32 << low | (key & (((uint64_t)1 << low) - 1));
 }
 
+/* Some bits of packed keys: those of the mask, from one on. */
 struct digit {
     unsigned shift;
     size_t mask;
 };
 
+/* So many bits. */
 static inline struct digit digit_from(unsigned shift, unsigned bits)
 {
     struct digit d = {shift, ((size_t)1 << bits) - 1};
