@@ -498,12 +498,12 @@ START_TEST(keys_are_sorted)
 {
     enum { MOST = 3000 };
     static uint64_t key[MOST], expected[MOST], scratch[MOST];
-    static const uint64_t mask[3] = {UINT64_MAX, 0xFF00FF0300000000u, 0x000003FF0000FFFFu};
+    static const uint64_t mask[4] = {UINT64_MAX, 0xFF00FF0300000000u, 0x000003FF0000FFFFu, 0x0000000F0000003Fu};
     uint64_t random = 3;
     size_t n, i;
     for (n = 0; n < MOST; n += 1 + n / 3) {
         int way;
-        for (way = 0; way < 6; way++) {
+        for (way = 0; way < 8; way++) {
             for (i = 0; i < n; i++) {
                 uint64_t crowded = i % 500 == 499 ? (uint64_t)3 << 62 : 0;
                 key[i] = random_next(&random) & mask[way / 2];
