@@ -105,10 +105,12 @@ struct digit {
     size_t mask;
 };
 
-/* So many bits. */
-static inline struct digit digit_from(unsigned shift, unsigned bits)
+/* The next of so many digits that share the bits from *shift on, which becomes where it ends. */
+static struct digit next_digit(unsigned *shift, unsigned all, unsigned digits)
 {
-    struct digit d = {shift, ((size_t)1 << bits) - 1};
+    unsigned bits = digits > 0 ? (all - *shift + digits - 1) / digits : 0;
+    struct digit d = {*shift, ((size_t)1 << bits) - 1};
+    *shift += bits;
     return d;
 }
 
@@ -160,11 +162,10 @@ static void radix_sort(uint64_t *key, size_t n, uint64_t *scratch, unsigned low,
     unsigned passes = (bits + DIGIT_MOST - 1) / DIGIT_MOST, shift = all - bits;
     uint64_t *from = key, *to = scratch;
     if (passes == 0) return;
-    struct digit d = digit_from(shift, (bits + passes - 1) / passes);
+    struct digit d = next_digit(&shift, all, passes);
     count_digits(key, n, low, d, place);
     for (; passes > 0; passes--) {
-        shift += (all - shift + passes - 1) / passes;
-        struct digit next = digit_from(shift, passes > 1 ? (all - shift + passes - 2) / (passes - 1) : 0);
+        struct digit next = next_digit(&shift, all, passes - 1);
         place_digits(place, d.mask + 1);
         if (passes > 1) place_and_count(from, to, n, low, d, place, next, count);
         else place_keys(from, to, n, low, d, place);
