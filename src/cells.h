@@ -20,13 +20,12 @@
 
 /* floor(x * scale) of four. */
 #if defined(__SSE2__)
-static inline __m128i units_lanes(const float scale[4], const int32_t *ordered)
+static inline __m128i units_lanes(__m128 scale, __m128i ordered)
 {
-    __m128i bits = load_bounds(ordered);
-    bits = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+    __m128i bits = _mm_xor_si128(ordered, _mm_srli_epi32(_mm_srai_epi32(ordered, 31), 1));
     __m128 x = _mm_castsi128_ps(bits), most = _mm_set1_ps(MOST_UNITS), most_float = _mm_set1_ps(MOST_FLOAT);
     x = _mm_max_ps(_mm_min_ps(x, most_float), _mm_set1_ps(-MOST_FLOAT));
-    x = _mm_mul_ps(x, _mm_loadu_ps(scale));
+    x = _mm_mul_ps(x, scale);
     __m128 magnitude = _mm_andnot_ps(_mm_set1_ps(-0.0f), x);
     x = _mm_and_ps(x, _mm_cmpge_ps(magnitude, _mm_set1_ps(LEAST_UNITS)));
     x = _mm_max_ps(_mm_min_ps(x, most), _mm_set1_ps(-MOST_UNITS));
@@ -36,7 +35,7 @@ static inline __m128i units_lanes(const float scale[4], const int32_t *ordered)
 
 static inline void four_units(const float scale[4], const int32_t *ordered, int32_t units[4])
 {
-    _mm_storeu_si128((__m128i *)(void *)units, units_lanes(scale, ordered));
+    _mm_storeu_si128((__m128i *)(void *)units, units_lanes(_mm_loadu_ps(scale), load_bounds(ordered)));
 }
 
 /* floor(x * scale) on all axes. */

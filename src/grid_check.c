@@ -2,7 +2,7 @@
  *
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT */
-#include "cells.h"
+#include "rows.h"
 
 static void count_cells(const struct layout *l, msap_world_stats *stats)
 {
@@ -186,6 +186,33 @@ static const char *candidates_broken(const struct grid *g, const struct pair_tab
     for (size_t slot = 0; slot < g->slots; slot++)
         if (g->near.of[slot].n > 0) return "a box in a skin has a list";
     return found == pairs->active ? NULL : "a pair are no candidates";
+}
+
+/* -------------------------------------------------------------------- rows */
+
+/* Adds the marks of a box in the rows that it is said to be in. */
+static uint64_t marks_in_rows(const struct rows *r, const struct row_range *range, uint32_t slot)
+{
+    uint32_t name = slot | (range->is_static ? 0 : ROW_MOVES);
+    uint64_t marks = 0;
+    for (uint32_t z = 0, line = range->row; z <= range->more[1]; z++, line = next_line(r, line))
+        for (uint32_t y = 0, row = line; y <= range->more[0]; y++, row = next_row(r, row))
+            marks += mark_of(name | (y == 0 ? ROW_STARTS_1 : 0) | (z == 0 ? ROW_STARTS_2 : 0), row);
+    return marks;
+}
+
+/* Of rows that can be kept: the marks of all boxes in the rows that they are said to be in, less those of all
+ * entries, leave nothing. */
+const char *msap_row_set_broken(const struct row_set *set)
+{
+    uint64_t marks = 0;
+    size_t rows = (size_t)set->rows.count[0] * set->rows.count[1];
+    if (set->slots == 0) return NULL;
+    for (uint32_t slot = 0; slot < set->slots; slot++)
+        if (set->range[slot].row != NO_ROW) marks += marks_in_rows(&set->rows, &set->range[slot], slot);
+    for (size_t row = 0; row < rows; row++)
+        for (uint32_t i = row_start(set, row); i < set->end[row]; i++) marks -= mark_of(set->id[i], (uint32_t)row);
+    return marks == 0 ? NULL : "rows name other boxes than are said to be in them";
 }
 
 /* The first broken invariant of a grid that is up to date with the last commit, or

@@ -101,6 +101,7 @@ int msap_keys_reserve(struct keys *k, struct memory *m, size_t need);
 void msap_keys_free(struct keys *k, struct memory *m);
 void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch);
 void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch, float low, float extent);
+void msap_sort_nearly_sorted(uint64_t *key, size_t n, uint64_t *scratch);
 size_t msap_unique_keys(uint64_t *key, size_t n);
 
 /* ---------------------------------------------------------------- number.c */
@@ -760,6 +761,7 @@ struct rows {
     float low, extent;  /* most boxes lie from there on, within so much, on the sweep axis */
     float scale[2];     /* on the axes across, as layout.scale */
     uint32_t count[2];  /* powers of two */
+    uint32_t shift;     /* count[0] is 1 << shift */
     size_t chosen_for;  /* boxes when they were chosen, and one; 0: not yet */
     uint32_t chosen_at; /* the commit in which they were */
 };
@@ -779,17 +781,23 @@ static inline uint32_t row_slot(uint32_t id) { return id & ~ROW_MARKS; }
  * most on that axis, which only grows along a row. */
 struct row_set {
     int32_t *min[3], *max[3];
-    uint32_t *id;   /* slots with marks */
-    int32_t *words; /* all of them */
-    uint32_t *end;  /* [rows] behind the last entry of each row */
-    int32_t *reach; /* if it was noted (rows.c) */
-    size_t room, room_end, room_reach;
+    uint32_t *id;            /* slots with marks */
+    int32_t *words;          /* all of them */
+    uint32_t *end;           /* [rows] behind the last entry of each row */
+    int32_t *reach;          /* if it was noted (rows.c) */
+    struct rows rows;        /* which rows these are */
+    struct row_range *range; /* [slots] in which of them each box is; so that they can be kept (kept.c) */
+    size_t slots;            /* 0: that is not known */
+    size_t changed;          /* boxes that are in others than at the pruning before; all if that is not known */
+    size_t room, room_end, room_reach, room_range;
 };
 enum { REACH = 16 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
+void msap_row_set_end(struct row_set *set, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
+const char *msap_row_set_broken(const struct row_set *set);
 
 /* Where the sweep of a row stands: entry i is to be tested against those from j on that are
  * before `end`, the row's, and then the others before `last`. Of a question only i and `end` mean something. */
@@ -825,6 +833,33 @@ struct sweeps {
 };
 struct sweeps msap_sweeps_for(uint32_t simd);
 
+/* The rows that a box is in: from which one and how many more on each axis across. */
+struct row_range {
+    uint32_t row; /* NO_ROW: it is in none; */
+    uint8_t more[2];
+    uint16_t is_static; /* BOX_STATIC or 0 */
+};
+#define NO_ROW UINT32_MAX
+
+/* Rows in the making (rows.c). */
+struct pruning {
+    struct job *job;
+    struct rows *rows;
+    struct row_set *set;
+    const struct row_set *last;   /* the rows of the pruning before, in the same set or in another one */
+    size_t slots;                 /* of the boxes */
+    struct bounds_by_slot bounds; /* of those that are pruned, in larger structs */
+    uint64_t *order;              /* [n_listed] keys, by min on the sweep axis, of the boxes that are listed: */
+    struct row_range *range;      /* [slots] */
+    uint32_t *wide;               /* [n_wide] slots of the wide boxes */
+    size_t n_listed, n_wide, entries;
+    uint32_t *end;      /* [rows] behind the last box of each row that is listed */
+    uint32_t *end_by;   /* [rows] the same of each worker but the calling thread's */
+    uint8_t *has_moved; /* [slots] while rows are kept: 1: a box is not in the same ones any more; else NULL */
+    uint32_t *kept_id;  /* and then: the last rows' slots with marks, */
+    uint32_t *kept_end; /* [rows] and ends */
+};
+
 /* Skins, rows and candidates to come (renew.c). */
 enum renewal_step {
     NO_RENEWAL,
@@ -847,13 +882,10 @@ struct renewal {
     size_t slots, room_fat;
     struct rows rows;
     struct row_set set;
-    struct scratch words; /* from one step to the next: of a struct pruning, */
-    uint64_t *order;      /* the same, */
-    struct row_range *range;
-    uint32_t *wide;
-    size_t n, n_wide, entries;
-    size_t swept;      /* entries that were; */
-    struct keys found; /* candidates of these */
+    struct pruning pruning; /* of all boxes by these, from one step to the next; */
+    struct scratch words;   /* what it works in */
+    size_t swept;           /* entries that were; */
+    struct keys found;      /* candidates of these */
 };
 
 /* What skins cost (choose.c), in tests, and how long they last. */

@@ -11,7 +11,8 @@
  * In the same way boxes are pruned with skins that they just got (renew.c): then what is found are
  * candidates, which are kept, and those of them that are pairs are settled.
  *
- * 1. The boxes are sorted into rows (rows.c).
+ * 1. The boxes are sorted into rows (rows.c); or, where most are in the same ones as at the last pruning, these are
+ *    brought up to date (kept.c).
  * 2. Each row is swept: from each box over those behind it until one starts after its
  *    end, up to sixteen at a time. Two boxes that meet in several rows are taken where, on both
  *    axes across, one of them starts: that is one row.
@@ -193,7 +194,7 @@ static int find_pairs(struct jump *j)
     job->worker->pairs.n = 0;
     if (job->boxes->live == job->boxes->live_static) return 1;
     return msap_phase_run(job->crew, job->memory, sweep_rows, j, p->entries, WEIGHT_ROW_BOX) &&
-           msap_phase_run(job->crew, job->memory, test_wide, j, p->n_wide, p->n * WEIGHT_TOUCH);
+           msap_phase_run(job->crew, job->memory, test_wide, j, p->n_wide, job->boxes->live * WEIGHT_TOUCH);
 }
 
 /* Whether boxes were only removed: then no pair is new, and the rows hold all others. */
@@ -212,6 +213,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     const struct pruning all = {.job = job,
                                 .rows = &g->rows,
                                 .set = &g->row_set,
+                                .last = &g->row_set,
                                 .slots = job->boxes->used,
                                 .bounds = bounds_now(job->boxes)};
     if (job->boxes->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
@@ -260,16 +262,8 @@ int msap_grid_jump_into_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     complete_before(job->boxes);
-    if (!msap_renewal_at_once(g, job)) return r->n_wide > MOST_WIDE ? UNSUITED : 0;
-    struct jump j = {.grid = g,
-                     .job = job,
-                     .pruning = {.set = &r->set,
-                                 .rows = &r->rows,
-                                 .wide = r->wide,
-                                 .n = r->n,
-                                 .n_wide = r->n_wide,
-                                 .entries = r->entries},
-                     .has_skins = 1};
+    if (!msap_renewal_at_once(g, job)) return r->pruning.n_wide > MOST_WIDE ? UNSUITED : 0;
+    struct jump j = {.grid = g, .job = job, .pruning = r->pruning, .has_skins = 1};
     keys_exchange(&job->worker->pairs, &r->found);
     int done = find_pairs(&j);
     keys_exchange(&job->worker->pairs, &r->found);

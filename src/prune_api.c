@@ -8,7 +8,7 @@
 #include "internal.h"
 
 /* One call at work. */
-struct pruning {
+struct prune_call {
     struct memory memory;
     uint32_t dims, axis;
     int bipartite;
@@ -36,7 +36,7 @@ msap_status msap_prune_config_init(msap_prune_config *config, size_t struct_size
     return MSAP_OK;
 }
 
-static msap_status begin(struct pruning *p, const msap_prune_config *config)
+static msap_status begin(struct prune_call *p, const msap_prune_config *config)
 {
     msap_prune_config defaults;
     msap_prune_config_init(&defaults, sizeof defaults);
@@ -62,8 +62,8 @@ static msap_status fail(msap_error *error, msap_status status, uint64_t index, u
 }
 
 /* Reads n boxes, the first of which has the index `base`. */
-static msap_status read_input(struct pruning *p, struct input *in, size_t n, const msap_boxes *boxes, size_t base,
-                              msap_error *error)
+static msap_status read_input(struct prune_call *p, struct input *in, size_t n, const msap_boxes *boxes,
+                              size_t base, msap_error *error)
 {
     msap_status status = msap_boxes_check(boxes, n);
     if (status == MSAP_OK && n > MSAP_MAX_BOXES - base) status = MSAP_ERROR_FULL;
@@ -81,7 +81,7 @@ static msap_status read_input(struct pruning *p, struct input *in, size_t n, con
     return MSAP_OK;
 }
 
-static void free_input(struct pruning *p, struct input *in)
+static void free_input(struct prune_call *p, struct input *in)
 {
     msap_memory_free(&p->memory, in->bounds, in->n, sizeof *in->bounds);
     msap_memory_free(&p->memory, in->words, PRUNE_SET_WORDS(in->n), sizeof *in->words);
@@ -111,7 +111,7 @@ static double variance(const struct input *a, const struct input *b, uint32_t k)
     return n > 0 ? squares / n - sum / n * (sum / n) : 0;
 }
 
-static void choose_axis(struct pruning *p, const struct input *a, const struct input *b)
+static void choose_axis(struct prune_call *p, const struct input *a, const struct input *b)
 {
     double best = -1;
     if (p->axis < p->dims) return;
@@ -126,7 +126,7 @@ static void choose_axis(struct pruning *p, const struct input *a, const struct i
 }
 
 /* Lays the set out in sweep order. Returns 0 without memory. */
-static int sort_input(struct pruning *p, struct input *in)
+static int sort_input(struct prune_call *p, struct input *in)
 {
     size_t n = in->n;
     if (n == 0) {
@@ -150,7 +150,7 @@ static int sort_input(struct pruning *p, struct input *in)
 
 /* ------------------------------------------------------------------ results */
 
-static void put_pair(struct pruning *p, uint64_t key)
+static void put_pair(struct prune_call *p, uint64_t key)
 {
     if (p->lost || !msap_keys_reserve(&p->pairs, &p->memory, p->pairs.n + 1)) p->lost = 1;
     else p->pairs.at[p->pairs.n++] = key;
@@ -159,7 +159,7 @@ static void put_pair(struct pruning *p, uint64_t key)
 static void found(void *context, uint32_t a, uint32_t b) { put_pair(context, pair_key(a, b)); }
 
 /* Hands the pairs out; the second index of each counts from `base`. */
-static msap_status give_pairs(struct pruning *p, size_t base, msap_index_pair **pairs, size_t *count)
+static msap_status give_pairs(struct prune_call *p, size_t base, msap_index_pair **pairs, size_t *count)
 {
     size_t n = p->pairs.n;
     msap_index_pair *out = NULL;
@@ -183,7 +183,7 @@ static msap_status give_pairs(struct pruning *p, size_t base, msap_index_pair **
 /* ------------------------------------------------------------------ the calls */
 
 /* Prunes a against b, or a within itself, once both have been read. */
-static msap_status prune_inputs(struct pruning *p, struct input *a, struct input *b, msap_index_pair **pairs,
+static msap_status prune_inputs(struct prune_call *p, struct input *a, struct input *b, msap_index_pair **pairs,
                                 size_t *count)
 {
     choose_axis(p, a, b);
@@ -193,7 +193,7 @@ static msap_status prune_inputs(struct pruning *p, struct input *a, struct input
     return give_pairs(p, b->base, pairs, count);
 }
 
-static msap_status run(struct pruning *p, size_t k_a, const msap_boxes *boxes_a, size_t k_b,
+static msap_status run(struct prune_call *p, size_t k_a, const msap_boxes *boxes_a, size_t k_b,
                        const msap_boxes *boxes_b, msap_index_pair **pairs, size_t *count, msap_error *error)
 {
     struct input a, b;
@@ -211,7 +211,7 @@ static msap_status run(struct pruning *p, size_t k_a, const msap_boxes *boxes_a,
     return status;
 }
 
-static msap_status check_call(struct pruning *p, const msap_prune_config *config, msap_index_pair **pairs,
+static msap_status check_call(struct prune_call *p, const msap_prune_config *config, msap_index_pair **pairs,
                               const size_t *count, msap_error *error)
 {
     if (error && error->struct_size != sizeof *error) return MSAP_ERROR_STRUCT_SIZE;
@@ -223,7 +223,7 @@ static msap_status check_call(struct pruning *p, const msap_prune_config *config
 msap_status msap_prune(const msap_prune_config *config, size_t k, const msap_boxes *boxes, msap_index_pair **pairs,
                        size_t *count, msap_error *error)
 {
-    struct pruning p;
+    struct prune_call p;
     msap_status status = check_call(&p, config, pairs, count, error);
     return status == MSAP_OK ? run(&p, k, boxes, 0, NULL, pairs, count, error) : status;
 }
@@ -232,7 +232,7 @@ msap_status msap_prune_bipartite(const msap_prune_config *config, size_t k_a, co
                                  size_t k_b, const msap_boxes *boxes_b, msap_index_pair **pairs, size_t *count,
                                  msap_error *error)
 {
-    struct pruning p;
+    struct prune_call p;
     msap_status status = check_call(&p, config, pairs, count, error);
     p.bipartite = 1;
     return status == MSAP_OK ? run(&p, k_a, boxes_a, k_b, boxes_b, pairs, count, error) : status;
@@ -240,7 +240,7 @@ msap_status msap_prune_bipartite(const msap_prune_config *config, size_t k_a, co
 
 msap_status msap_prune_free(const msap_prune_config *config, msap_index_pair *pairs, size_t count)
 {
-    struct pruning p;
+    struct prune_call p;
     msap_status status = begin(&p, config);
     if (status == MSAP_OK) msap_memory_free(&p.memory, pairs, count, sizeof *pairs);
     return status;

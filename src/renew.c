@@ -126,17 +126,6 @@ int64_t msap_trial_count(const struct grid *g)
 
 /* ------------------------------------------------------------------- step 2 */
 
-static struct pruning pruning_of(struct grid *g, struct job *job)
-{
-    struct renewal *r = &g->renewal;
-    const struct pruning p = {.job = job,
-                              .rows = &r->rows,
-                              .set = &r->set,
-                              .slots = r->slots,
-                              .bounds = {r->fat, sizeof *r->fat, BOX_LIVE | BOX_FITTED}};
-    return p;
-}
-
 /* While boxes are sorted, the world's scratch room is the renewal's. */
 static void lend_scratch(struct renewal *r, struct job *job)
 {
@@ -145,51 +134,42 @@ static void lend_scratch(struct renewal *r, struct job *job)
     *job->scratch = words;
 }
 
-/* That of a step before, of the same boxes, whatever has become of them. */
-static struct pruning pruning_goes_on(struct grid *g, struct job *job)
-{
-    const struct renewal *r = &g->renewal;
-    struct pruning p = pruning_of(g, job);
-    p.order = r->order;
-    p.range = r->range;
-    p.n = r->n;
-    p.entries = r->entries;
-    p.end = r->set.end;
-    return p;
-}
-
 /* Returns 0 without memory, and where there are many wide boxes. */
 static int count_rows(struct grid *g, struct job *job)
 {
     enum { COMMITS = 256 };
     struct renewal *r = &g->renewal;
-    struct pruning p = pruning_of(g, job);
-    msap_rows_choose(&p, g->commit, COMMITS);
+    struct pruning *p = &r->pruning;
+    const struct pruning all = {.job = job,
+                                .rows = &r->rows,
+                                .set = &r->set,
+                                .last = &g->row_set,
+                                .slots = r->slots,
+                                .bounds = {r->fat, sizeof *r->fat, BOX_LIVE | BOX_FITTED}};
+    *p = all;
+    msap_rows_choose(p, g->commit, COMMITS);
     lend_scratch(r, job);
-    if (!msap_rows_count(&p, &r->words)) return 0;
-    r->n_wide = g->wide_found = p.n_wide;
+    if (!msap_rows_count(p, &r->words)) return 0;
+    g->wide_found = p->n_wide;
     g->wide_found_in = g->commit;
-    if (p.n_wide > MOST_WIDE) return 0;
-    for (size_t i = 0; i < p.n_wide; i++) job->boxes->at[p.wide[i]].flags &= ~(uint32_t)BOX_FITTED;
-    r->order = p.order;
-    r->range = p.range;
-    r->wide = p.wide;
-    r->n = p.n;
-    r->entries = p.entries;
+    if (p->n_wide > MOST_WIDE) return 0;
+    for (size_t i = 0; i < p->n_wide; i++) job->boxes->at[p->wide[i]].flags &= ~(uint32_t)BOX_FITTED;
     return 1;
 }
 
-/* Returns 0 without memory. */
-static int sort_rows(struct grid *g, struct job *job)
+/* The pruning of a step before, of the same boxes, whatever has become of them. */
+static struct pruning *pruning_of(struct grid *g, struct job *job)
 {
-    struct pruning p = pruning_goes_on(g, job);
-    return msap_rows_sort(&p);
+    g->renewal.pruning.job = job;
+    return &g->renewal.pruning;
 }
+
+/* Returns 0 without memory. */
+static int sort_rows(struct grid *g, struct job *job) { return msap_rows_sort(pruning_of(g, job)); }
 
 static int list_rows(struct grid *g, struct job *job)
 {
-    struct pruning p = pruning_goes_on(g, job);
-    msap_rows_list(&p);
+    msap_rows_list(pruning_of(g, job));
     lend_scratch(&g->renewal, job);
     return 1;
 }
@@ -198,9 +178,8 @@ static int list_rows(struct grid *g, struct job *job)
 static int fill_rows(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    struct pruning p = pruning_goes_on(g, job);
     r->swept = r->found.n = 0;
-    msap_rows_fill(&p);
+    msap_rows_fill(pruning_of(g, job));
     return msap_rows_note_reach(&r->set, &r->rows, job->memory) &&
            msap_keys_reserve(&r->found, job->memory, g->candidates.n); /* as many as now, mostly */
 }
@@ -234,7 +213,7 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
 static int find_candidates(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    size_t share = r->entries / sweep_steps(job) + 1, left = r->entries - r->swept;
+    size_t share = r->pruning.entries / sweep_steps(job) + 1, left = r->pruning.entries - r->swept;
     struct swept part = {g, r->swept};
     r->swept += share < left ? share : left;
     keys_exchange(&job->worker->pairs, &r->found);
@@ -308,7 +287,8 @@ static void give_back(struct grid *g, struct job *job)
 static void take_ahead(struct grid *g, struct memory *m)
 {
     struct renewal *r = &g->renewal;
-    if (msap_row_set_make(&r->set, m, r->entries)) memset(r->set.words, 0, r->set.room * sizeof *r->set.words);
+    if (msap_row_set_make(&r->set, m, r->pruning.entries))
+        memset(r->set.words, 0, r->set.room * sizeof *r->set.words);
     if (msap_keys_reserve(&r->found, m, g->candidates.n + 1))
         memset(r->found.at, 0, r->found.room * sizeof *r->found.at);
 }
@@ -337,7 +317,7 @@ static int install(struct grid *g, struct job *job)
 /* The step after one that was done. */
 static enum renewal_step step_after(const struct renewal *r, enum renewal_step now)
 {
-    if (now == SWEEP_ROWS && r->swept < r->entries) return now;
+    if (now == SWEEP_ROWS && r->swept < r->pruning.entries) return now;
     return now == CHANGE_SKINS || now == TRY_SKINS ? NO_RENEWAL : now + 1;
 }
 
@@ -388,7 +368,7 @@ int msap_renewal_at_once(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     r->next = NO_RENEWAL;
-    r->n_wide = 0;
+    r->pruning.n_wide = 0;
     if (!make_skins(g, job)) return 0;
     make_more_skins(g, job);
     if (!count_rows(g, job) || !sort_rows(g, job)) return 0;

@@ -5,16 +5,17 @@
  *
  * 1. All axes but one, the one on which boxes are finest compared with the scene, cut
  *    space into rows along that one: the paper's grid, one SAP a row (II.2). Rows wrap
- *    around, as cells do (grid.c). The boxes of each row are counted.
+ *    around, as cells do (grid.c). The boxes of each row are counted (ranges.c).
  * 2. The boxes are sorted by their min on that axis and named, in this order, in the
  *    rows that they touch: so every row is sorted. Then their bounds are written into the
  *    rows, one after another.
  *
- * Boxes that touch many rows, wide ones, are in none. Naming takes the calling thread, the rest all
- * workers. */
+ * Where most boxes are in the same rows as at the last pruning, these are kept (kept.c), and only the other boxes
+ * are counted, sorted and named. Boxes that touch many rows, wide ones, are in none. Naming takes the calling
+ * thread, the rest all workers. */
 #include "rows.h"
 
-enum { MOST_ROWS = 8, MOST_ACTIVE = 8 };
+enum { MOST_ACTIVE = 8 };
 
 /* Where there are several rows on an axis there are so many or more: then two boxes, neither of which touches more
  * than MOST_ROWS, never meet at both ends of rows that wrap around. */
@@ -54,6 +55,7 @@ static void choose_rows(struct pruning *p, uint32_t commit)
         r->count[k] = cells > 1 ? msap_count_for(cells < LEAST_COUNT ? LEAST_COUNT : cells) : 1;
         r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }
+    for (r->shift = 0; 1u << r->shift < r->count[0];) r->shift++;
     r->chosen_for = p->job->boxes->live + 1;
     r->chosen_at = commit;
 }
@@ -66,77 +68,7 @@ void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most)
         choose_rows(p, commit);
 }
 
-/* --------------------------------------------------------------- steps 1, 2 */
-
-/* Counts a box in its rows, where it touches two on each axis at the most: without a question. */
-static inline void count_in_few(const struct rows *r, const struct row_span *s, uint32_t *end)
-{
-    uint32_t row = s->row, more_y = s->more[0], more_z = s->more[1];
-    end[row]++;
-    end[next_row(r, row)] += more_y;
-    if (r->count[1] == 1) return;
-    row = next_line(r, row);
-    end[row] += more_z;
-    end[next_row(r, row)] += more_y & more_z;
-}
-
-static void count_in_many(const struct rows *r, const struct row_span *s, uint32_t *end)
-{
-    for (uint32_t z = 0, row = s->row; z <= s->more[1]; z++, row = next_line(r, row))
-        for (uint32_t y = 0, at = row; y <= s->more[0]; y++, at = next_row(r, at)) end[at]++;
-}
-
-/* Finds the rows of the boxes in slots first ... last - 1, counts the boxes of each row, and names the
- * wide ones in the worker's parts of the lists. */
-static void count_rows(void *context, struct worker *w, size_t first, size_t last)
-{
-    struct pruning *j = context;
-    const struct rows rows_now = *j->rows, *r = &rows_now;
-    const struct box_table *t = j->job->boxes;
-    const struct bounds_by_slot all = j->bounds;
-    uint32_t sweep_axis = r->axis[0];
-    size_t worker = (size_t)(w - j->job->crew->worker), all_rows = (size_t)r->count[0] * r->count[1];
-    struct counted c = {first, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * all_rows};
-    uint64_t *order = j->order + first;
-    uint32_t *wide = j->wide + first, *end = c.end;
-    memset(end, 0, all_rows * sizeof *end);
-    for (uint32_t slot = (uint32_t)first; slot < last; slot++) {
-        const struct box *b = &t->at[slot];
-        if ((b->flags & all.flags) != all.flags) continue;
-        const struct bounds *bounds = bounds_of_slot(&all, slot);
-        const struct row_span s = rows_of(r, bounds);
-        const struct row_range range = {s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, b->flags};
-        j->range[slot] = range;
-        if ((s.more[0] | s.more[1]) <= 1) {
-            count_in_few(r, &s, end);
-        } else if (((uint64_t)s.more[0] + 1) * (s.more[1] + 1) <= MOST_ROWS) {
-            count_in_many(r, &s, end);
-        } else {
-            wide[c.n_wide++] = slot;
-            continue;
-        }
-        order[c.n++] = key_make(bounds->min[sweep_axis], 0, slot);
-    }
-    j->by[worker] = c;
-}
-
-/* Adds what the workers have counted up. Returns the number of entries in all rows. */
-static size_t add_up(struct pruning *j)
-{
-    size_t rows = (size_t)j->rows->count[0] * j->rows->count[1], entries = 0;
-    if (!j->by[0].end) memset(j->end, 0, rows * sizeof *j->end);
-    for (uint32_t i = 0; i <= MOST_WORKERS; i++) {
-        const struct counted *c = &j->by[i];
-        if (!c->end) continue;
-        if (c->first > j->n) memmove(j->order + j->n, j->order + c->first, c->n * sizeof *j->order);
-        memmove(j->wide + j->n_wide, j->wide + c->first, c->n_wide * sizeof *j->wide);
-        j->n += c->n;
-        j->n_wide += c->n_wide;
-        for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
-    }
-    for (size_t row = 0; row < rows; row++) entries += j->end[row];
-    return entries;
-}
+/* ------------------------------------------------------------------- step 2 */
 
 /* Turns the counts into where each row starts. */
 static void start_rows(const struct pruning *j, size_t rows)
@@ -178,19 +110,19 @@ static inline void list_in_few(const struct rows *r, const struct row_range *ran
     list_if(more_y & more_z, &end[next_row(r, row)], id, name, nowhere);
 }
 
-/* Names the boxes of each row, in their order. */
-static void list_rows(const struct pruning *j)
+/* Names the boxes of each row that are listed, in their order. */
+static void list_boxes(const struct pruning *j, uint32_t *id)
 {
     enum { AHEAD = 24 };
     const struct rows rows_now = *j->rows, *r = &rows_now;
     const struct row_range *ranges = j->range;
     const uint64_t *order = j->order;
-    uint32_t *id = j->set->id, *end = j->end, nowhere = (uint32_t)j->entries;
-    for (size_t i = 0, n = j->n; i < n; i++) {
+    uint32_t *end = j->end, nowhere = (uint32_t)j->entries;
+    for (size_t i = 0, n = j->n_listed; i < n; i++) {
         uint32_t slot = key_box(order[i]);
         const struct row_range range = ranges[slot];
         if (n - i > AHEAD) prefetch(&ranges[key_box(order[i + AHEAD])]);
-        uint32_t name = slot | (~(uint32_t)range.flags << ROW_SHIFT & ROW_MOVES);
+        uint32_t name = slot | (~(uint32_t)range.is_static << ROW_SHIFT & ROW_MOVES);
         if ((range.more[0] | range.more[1]) <= 1) list_in_few(r, &range, name, end, id, nowhere);
         else list_in_many(r, &range, name, end, id);
     }
@@ -222,53 +154,24 @@ static void fill_rows(void *context, struct worker *w, size_t first, size_t last
 
 /* ---------------------------------------------------------------- the whole */
 
-/* How many words the arrays take. */
-static size_t words_of(const struct pruning *j)
-{
-    size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
-    size_t ends = rows * msap_phase_tasks(j->job->crew, slots, WEIGHT_ROWS);
-    return slots + slots + slots / 2 + 1 + ends / 2 + 1; /* a range is one */
-}
-
-/* Places the arrays in the memory of `words`, which grows as needed. Returns 0 without memory. */
-static int place_arrays(struct pruning *j, struct scratch *words)
-{
-    size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
-    uint64_t *at = msap_scratch_get(words, j->job->memory, words_of(j));
-    if (!at || !msap_memory_reserve(j->job->memory, &j->set->end, &j->set->room_end, rows, 0, sizeof *j->set->end))
-        return 0;
-    j->order = at;
-    j->range = (struct row_range *)(void *)(at + slots);
-    j->wide = (uint32_t *)(void *)(at + 2 * slots);
-    j->end_by = (uint32_t *)(void *)(at + 2 * slots + slots / 2 + 1);
-    j->end = j->set->end;
-    return 1;
-}
-
-/* Step 1, and which boxes are wide. What it makes stands in `words`. Returns 0 without memory. */
-int msap_rows_count(struct pruning *j, struct scratch *words)
-{
-    if (!place_arrays(j, words)) return 0;
-    /* It finds nothing, so it cannot lack memory. */
-    msap_phase_run(j->job->crew, j->job->memory, count_rows, j, j->slots, WEIGHT_ROWS);
-    j->entries = add_up(j);
-    return 1;
-}
-
-/* Makes the set, empty, and sorts the boxes. Returns 0 without memory. */
+/* Makes the set, empty, and sorts the boxes that are listed. Returns 0 without memory. */
 int msap_rows_sort(struct pruning *j)
 {
     const struct rows *r = j->rows;
     if (!msap_row_set_make(j->set, j->job->memory, j->entries)) return 0;
-    msap_share_sort_values(j->job, j->order, j->n, (uint64_t *)(void *)j->set->words, r->low, r->extent);
+    msap_share_sort_values(j->job, j->order, j->n_listed, (uint64_t *)(void *)j->set->words, r->low, r->extent);
     return 1;
 }
 
 /* Names the boxes in their rows. */
 void msap_rows_list(struct pruning *j)
 {
+    struct row_set *set = j->set;
+    uint32_t *coming = (uint32_t *)set->max[2];
     start_rows(j, (size_t)j->rows->count[0] * j->rows->count[1]);
-    list_rows(j);
+    list_boxes(j, j->has_moved ? coming : set->id);
+    if (j->has_moved) msap_kept_merge(j, coming);
+    set->slots = j->range == set->range ? j->slots : 0;
 }
 
 /* And writes them. */
@@ -361,12 +264,20 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
     for (size_t k = 0; k < 3; k++) {
         set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
         set->max[k] = set->min[k] + entries + ROW_SLACK;
+    }
+    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
+    msap_row_set_end(set, entries);
+    return 1;
+}
+
+/* Behind so many entries, as many as it was made for or fewer, there is slack. */
+void msap_row_set_end(struct row_set *set, size_t entries)
+{
+    for (size_t k = 0; k < 3; k++) {
         memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
         memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
     }
-    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
     memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
-    return 1;
 }
 
 void msap_row_set_free(struct row_set *set, struct memory *m)
@@ -374,5 +285,6 @@ void msap_row_set_free(struct row_set *set, struct memory *m)
     msap_memory_free(m, set->words, set->room, sizeof *set->words);
     msap_memory_free(m, set->end, set->room_end, sizeof *set->end);
     msap_memory_free(m, set->reach, set->room_reach, sizeof *set->reach);
+    msap_memory_free(m, set->range, set->room_range, sizeof *set->range);
     memset(set, 0, sizeof *set);
 }

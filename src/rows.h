@@ -46,37 +46,9 @@ static inline struct row_span rows_of(const struct rows *r, const struct bounds 
     return s;
 }
 
-/* ------------------------------------------------------------------- rows.c */
+/* ------------------------------------------------ rows.c, ranges.c, kept.c */
 
-/* The rows that a box touches: from which one and, of a box that is not wide, how many more on
- * each axis across. */
-struct row_range {
-    uint32_t row;
-    uint8_t more[2];
-    uint16_t flags; /* of the box */
-};
-
-/* What a worker has counted of the slots from the first on. */
-struct counted {
-    size_t first, n, n_wide;
-    uint32_t *end; /* [rows] boxes; NULL: it was not at work */
-};
-
-/* Rows in the making. */
-struct pruning {
-    struct job *job;
-    struct rows *rows;
-    struct row_set *set;
-    size_t slots;                 /* of the boxes */
-    struct bounds_by_slot bounds; /* of those that are pruned, in larger structs */
-    uint64_t *order;              /* [n] keys of the boxes by their min on the sweep axis */
-    struct row_range *range;      /* [slots] */
-    uint32_t *wide;               /* [n_wide] slots of the wide boxes */
-    size_t n, n_wide, entries;
-    uint32_t *end;    /* [rows] behind the last box of each row */
-    uint32_t *end_by; /* [rows] the same of each worker but the calling thread's */
-    struct counted by[1 + MOST_WORKERS];
-};
+enum { MOST_ROWS = 8 }; /* that a box may touch which is not wide */
 
 /* Where the reach of the first boxes of a row stands. */
 static inline size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
@@ -90,6 +62,12 @@ typedef size_t (*ask_one_row_fn)(const void *context, struct worker *w, const st
 
 /* Receives pairs that are found. */
 typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
+
+int msap_kept_are_told(const struct pruning *p);
+int msap_kept_are_most(const struct pruning *p);
+size_t msap_kept_words(const struct pruning *p);
+uint64_t *msap_kept_place(struct pruning *p, uint64_t *words);
+void msap_kept_merge(struct pruning *p, const uint32_t *coming);
 
 void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);

@@ -196,6 +196,13 @@ void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
     }
 }
 
+/* The same, of keys that are in order, but for a few places each. */
+void msap_sort_nearly_sorted(uint64_t *key, size_t n, uint64_t *scratch)
+{
+    enum { MOST_PLACES = 16 };
+    if (!insertion_sort(key, n, MOST_PLACES * n)) msap_sort_keys(key, n, scratch);
+}
+
 /* ------------------------------------------------------------------ values */
 
 enum { STEP_DIGIT = 11 /* bits at the most */ };

@@ -515,6 +515,14 @@ START_TEST(keys_are_sorted)
             msap_sort_keys(key, n, way % 2 == 0 ? scratch : NULL);
             for (i = 0; i < n; i++)
                 ck_assert_uint_eq(key[i], expected[i]);
+            for (i = 0; i + 40 < n; i += 1 + random_below(&random, 4000 >> way)) { /* nearly, or hardly */
+                uint64_t moved = key[i];
+                key[i] = key[i + 40];
+                key[i + 40] = moved;
+            }
+            msap_sort_nearly_sorted(key, n, scratch);
+            for (i = 0; i < n; i++)
+                ck_assert_uint_eq(key[i], expected[i]);
         }
     }
 }

@@ -1,0 +1,272 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: while all boxes are pruned in each commit and their rows are kept (kept.c), no pair is missed, whatever
+ * boxes come, go, jump, grow or change their order, and the rows hold what they are said to. It looks behind the
+ * interface to see that rows are kept.
+ */
+#define box inner_box /* the tests have a struct of that name */
+#include "../../src/internal.h"
+#undef box
+#include "checks.h"
+
+enum { MOST = 800 };
+
+/* A session, and boxes that tremble. */
+typedef struct crowd {
+    session s;
+    msap_handle handles[MOST];
+    box bounds[MOST];
+    uint32_t n, kept; /* commits in which rows were */
+} crowd;
+
+static struct grid *grid_of(crowd *c) { return &c->s.world->grid; }
+
+static void open_crowd(crowd *c, int row, uint32_t dims)
+{
+    msap_config config = config_of(dims, row);
+    c->n = c->kept = 0;
+    right(session_open(&c->s, &config, 3, SCENE_SPREAD));
+}
+
+/* Whether a set-up chooses its ways itself, in a grid: others keep no rows. */
+static int chooses(int row)
+{
+    msap_config config = config_of(3, row);
+    return config.grid != MSAP_GRID_NONE && config.strategy == MSAP_STRATEGY_AUTO;
+}
+
+/* A box of about size 1 in a block. */
+static box somewhere(crowd *c)
+{
+    static const uint32_t size[3] = {12, 10, 8};
+    float low[3];
+    for (int k = 0; k < 3; k++) low[k] = (float)random_below(&c->s.random, 100 * size[k]) / 100;
+    return box_of(low[0], low[1], low[2], low[0] + 1, low[1] + 1.25f, low[2] + 0.75f);
+}
+
+static void put(crowd *c, box bounds, uint32_t flags)
+{
+    c->bounds[c->n] = bounds;
+    right(session_add(&c->s, &bounds, flags, &c->handles[c->n++]));
+}
+
+static void put_some(crowd *c, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) put(c, somewhere(c), random_below(&c->s.random, 16) == 0 ? MSAP_STATIC : 0);
+}
+
+static void set(crowd *c, uint32_t i, box bounds)
+{
+    c->bounds[i] = bounds;
+    right(session_update(&c->s, c->handles[i], &bounds));
+}
+
+static void take_away(crowd *c, uint32_t i)
+{
+    right(session_remove(&c->s, c->handles[i]));
+    c->handles[i] = c->handles[--c->n];
+    c->bounds[i] = c->bounds[c->n];
+}
+
+/* Each box goes up to so far, anywhere. */
+static void tremble(crowd *c, float most)
+{
+    for (uint32_t i = 0; i < c->n; i++) {
+        box b = c->bounds[i];
+        for (int k = 0; k < 3; k++) {
+            float step = most * ((float)random_below(&c->s.random, 2001) / 1000 - 1);
+            b.min[k] += step;
+            b.max[k] += step;
+        }
+        set(c, i, b);
+    }
+}
+
+static void end_frame(crowd *c)
+{
+    const struct row_set *set = &grid_of(c)->row_set;
+    size_t slots = set->slots, few = c->n / 8;
+    int might = slots > 0 && set->changed <= few;
+    struct rows rows = grid_of(c)->rows;
+    right(session_commit(&c->s));
+    right(session_compare(&c->s));
+    might = might && memcmp(rows.count, set->rows.count, sizeof rows.count) == 0;
+    c->kept += might && grid_of(c)->is_jumping && set->slots >= slots;
+}
+
+/* So many commits in which boxes tremble. In all but the first one, after which there are to be no skins, they are
+ * pruned; then rows are kept. */
+static void settle_down(crowd *c, int commits)
+{
+    for (int i = 0; i < commits; i++) {
+        tremble(c, 0.04f);
+        end_frame(c);
+        grid_of(c)->upkeep.not_before = UINT32_MAX / 2;
+    }
+    ck_assert(grid_of(c)->is_jumping);
+    ck_assert_uint_gt(c->kept, 0);
+}
+
+/* Whether rows were kept in half of so many commits or more. */
+static void were_kept(crowd *c, uint32_t commits)
+{
+    ck_assert_uint_ge(2 * c->kept, commits);
+    right(session_close(&c->s));
+}
+
+/* What happens in one commit, besides that all tremble. */
+enum { NOTHING, COME, GO, COME_AND_GO, JUMP, GROW, SHRINK, HAPPENINGS };
+
+static void happen(crowd *c, int what)
+{
+    for (uint32_t i = 0; i < 6 && c->n > 280 && (what == GO || what == COME_AND_GO); i++)
+        take_away(c, random_below(&c->s.random, c->n));
+    if ((what == COME || what == COME_AND_GO) && c->n + 6 < MOST) put_some(c, 6);
+    for (uint32_t k = 0; k < 5; k++) {
+        uint32_t i = random_below(&c->s.random, c->n);
+        box b = c->bounds[i];
+        if (what == JUMP) b = somewhere(c);
+        if (what == GROW) b = box_of(-3, -3, -3, 16, 14, b.max[2]); /* and is wide */
+        if (what == SHRINK) b = box_of(b.min[0], b.min[1], b.min[2], b.min[0], b.min[1], b.min[2]);
+        set(c, i, b);
+    }
+}
+
+START_TEST(all_happens_to_kept_rows)
+{
+    enum { COMMITS = 48 };
+    for (int what = 0; what < HAPPENINGS; what++) {
+        crowd c;
+        if (!chooses(_i) || (_i != DEFAULT && _i % HAPPENINGS != what)) continue;
+        open_crowd(&c, _i, 2 + (uint32_t)what % 2);
+        put_some(&c, 301);
+        settle_down(&c, 12);
+        c.kept = 0;
+        for (int frame = 0; frame < COMMITS; frame++) {
+            tremble(&c, 0.04f);
+            if (frame % 3 == 0) happen(&c, what);
+            end_frame(&c);
+        }
+        were_kept(&c, COMMITS);
+    }
+}
+END_TEST
+
+/* All jump in one commit: what is kept is nothing. And once more, when rows are kept again. */
+START_TEST(all_jump_out_of_kept_rows)
+{
+    crowd c;
+    if (!chooses(_i)) return;
+    open_crowd(&c, _i, 3);
+    put_some(&c, 300);
+    for (int time = 0; time < 3; time++) {
+        settle_down(&c, 12);
+        for (uint32_t i = 0; i < c.n; i++) set(&c, i, somewhere(&c));
+        end_frame(&c);
+        c.kept = 0;
+    }
+    right(session_close(&c.s));
+}
+END_TEST
+
+/* The order in all rows is turned around, on each axis: one of them is the one that is swept. */
+START_TEST(kept_rows_turn_around)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        crowd c;
+        if (!chooses(_i) || (_i != DEFAULT && _i % 3 != axis)) continue;
+        open_crowd(&c, _i, 3);
+        put_some(&c, 400);
+        settle_down(&c, 8);
+        for (int frame = 0; frame < 2; frame++) {
+            for (uint32_t i = 0; i < c.n; i++) {
+                box b = c.bounds[i];
+                b.min[axis] = 10 - c.bounds[i].max[axis];
+                b.max[axis] = 10 - c.bounds[i].min[axis];
+                set(&c, i, b);
+            }
+            end_frame(&c);
+        }
+        right(session_close(&c.s));
+    }
+}
+END_TEST
+
+/* Of a commit in which all go, and of one with as many others in their slots. */
+START_TEST(all_go_and_others_come)
+{
+    crowd c;
+    if (!chooses(_i)) return;
+    open_crowd(&c, _i, 3);
+    put_some(&c, 300);
+    settle_down(&c, 12);
+    for (int time = 0; time < 2; time++) {
+        while (c.n > 0) take_away(&c, c.n - 1);
+        if (time == 1) end_frame(&c);
+        put_some(&c, 310);
+        end_frame(&c);
+        settle_down(&c, 4);
+    }
+    right(session_close(&c.s));
+}
+END_TEST
+
+/* The n-th allocation fails while more boxes come to kept rows. Returns whether there was one. */
+static size_t come_without_memory(size_t n)
+{
+    crowd c;
+    open_crowd(&c, DEFAULT, 3);
+    put_some(&c, 260);
+    settle_down(&c, 8);
+    c.s.memory.fail_at = c.s.memory.calls + n;
+    for (int frame = 0; frame < 6; frame++) {
+        tremble(&c, 0.04f);
+        put_some(&c, 30);
+        end_frame(&c);
+    }
+    size_t failures = c.s.memory.failures;
+    right(session_close(&c.s));
+    return failures;
+}
+
+START_TEST(without_memory)
+{
+    for (size_t n = 1; come_without_memory(n) > 0;) n++;
+}
+END_TEST
+
+/* The validator sees what rows should hold and do not. */
+START_TEST(broken_ranges)
+{
+    crowd c;
+    open_crowd(&c, DEFAULT, 3);
+    put_some(&c, 300);
+    settle_down(&c, 12);
+    struct row_set *rows = &grid_of(&c)->row_set;
+    uint32_t id = rows->id[5];
+    rows->id[5] ^= ROW_STARTS_1;
+    is_broken(c.s.world, "rows name other boxes than are said to be in them");
+    rows->id[5] = rows->id[6];
+    is_broken(c.s.world, "rows name other boxes than are said to be in them");
+    rows->id[5] = id;
+    uint32_t row = rows->range[7].row;
+    rows->range[7].row = NO_ROW;
+    is_broken(c.s.world, "rows name other boxes than are said to be in them");
+    rows->range[7].row = row;
+    right(session_compare(&c.s));
+    right(session_close(&c.s));
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("kept rows");
+    tcase_add_loop_test(tests, all_happens_to_kept_rows, 0, SETUPS);
+    tcase_add_loop_test(tests, all_jump_out_of_kept_rows, 0, SETUPS);
+    tcase_add_loop_test(tests, kept_rows_turn_around, 0, SETUPS);
+    tcase_add_loop_test(tests, all_go_and_others_come, 0, SETUPS);
+    tcase_add_test(tests, without_memory);
+    tcase_add_test(tests, broken_ranges);
+    return run_case(tests, "kept rows");
+}
