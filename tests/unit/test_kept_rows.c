@@ -193,7 +193,40 @@ START_TEST(kept_rows_turn_around)
 }
 END_TEST
 
-/* Of a commit in which all go, and of one with as many others in their slots. */
+/* All coordinates are exchanged, as in `from`, and lengths are taken so many times, places too. */
+static void remake(crowd *c, const int from[3], float place, float length)
+{
+    for (uint32_t i = 0; i < c->n; i++) {
+        box b = c->bounds[i], old = b;
+        for (int k = 0; k < 3; k++) {
+            b.min[k] = place * old.min[from[k]];
+            b.max[k] = b.min[k] + length * (old.max[from[k]] - old.min[from[k]]);
+        }
+        set(c, i, b);
+    }
+}
+
+/* Other rows are chosen, in which boxes are elsewhere: wider ones, more, or on other axes. */
+START_TEST(other_rows_are_chosen)
+{
+    static const int same[3] = {0, 1, 2}, turned[3] = {1, 2, 0};
+    for (int what = 0; what < 3; what++) {
+        crowd c;
+        if (!chooses(_i) || (_i != DEFAULT && _i % 3 != what)) continue;
+        open_crowd(&c, _i, 3);
+        put_some(&c, 300);
+        for (int time = 0; time < 3; time++) {
+            settle_down(&c, 20);
+            remake(&c, what == 2 ? turned : same, what == 2 ? 1 : 2, what == 0 ? 2 : 1);
+            end_frame(&c);
+        }
+        settle_down(&c, 20);
+        right(session_close(&c.s));
+    }
+}
+END_TEST
+
+/* All go, and others come into their slots, in the same commit or in the next one. */
 START_TEST(all_go_and_others_come)
 {
     crowd c;
@@ -265,6 +298,7 @@ int main(void)
     tcase_add_loop_test(tests, all_happens_to_kept_rows, 0, SETUPS);
     tcase_add_loop_test(tests, all_jump_out_of_kept_rows, 0, SETUPS);
     tcase_add_loop_test(tests, kept_rows_turn_around, 0, SETUPS);
+    tcase_add_loop_test(tests, other_rows_are_chosen, 0, SETUPS);
     tcase_add_loop_test(tests, all_go_and_others_come, 0, SETUPS);
     tcase_add_test(tests, without_memory);
     tcase_add_test(tests, broken_ranges);
