@@ -286,19 +286,21 @@ static struct cost fit_grid(const recipe *kind, const msap_config *config, terms
 static void measure_grid(void)
 {
     const recipe still = {"", 0, 8, 0, 1, 1e-5, STRAIGHT, 0, 0}, swift = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 0, 0},
-                 some = {"", 0, 24, 0, 1, 0.1, BROWNIAN, 0, 0};
+                 flat = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 1, 0}, some = {"", 0, 24, 0, 1, 0.1, BROWNIAN, 0, 0};
     const msap_config lists = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SLIDE, 0.25f),
                       pruned = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_AUTO, MSAP_MARGIN_AUTO),
                       anew = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SWEEP, MSAP_MARGIN_AUTO),
                       moved = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_MERGE, MSAP_MARGIN_AUTO);
     struct cost keep = fit_grid(&still, &lists, boxes_and_candidates);
     struct cost jump = fit_grid(&swift, &pruned, boxes_and_pairs);
+    struct cost line = fit_grid(&flat, &pruned, boxes_and_pairs);
     struct cost rebuild = fit_grid(&still, &anew, boxes_and_candidates);
     struct cost track = fit_grid(&some, &moved, moves_and_neighbours);
     double test = keep.of[1];
     printf("\nin a Multi-SAP the test of a neighbour takes %.1f ns; in tests:\n", test);
     printf("TRACK_MOVE %.0f, TRACK_NEIGHBOUR %.1f\n", track.of[0] / test, track.of[1] / test);
-    printf("JUMP_BOX %.1f, JUMP_PAIR %.1f\n", jump.of[0] / test, jump.of[1] / test);
+    printf("JUMP_BOX %.1f, JUMP_BOX_IN_LINE %.1f, JUMP_PAIR %.1f\n", jump.of[0] / test, line.of[0] / test,
+           jump.of[1] / test);
     printf("REBUILD_BOX %.0f, REBUILD_NEIGHBOUR %.1f\n", rebuild.of[0] / test, rebuild.of[1] / test);
 }
 

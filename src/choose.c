@@ -49,6 +49,7 @@ enum {
     STRAY_MOVE = 220,       /* a box in a skin that is put elsewhere, */
     STRAY_CANDIDATE = 12,   /* and each of its candidates */
     JUMP_BOX = 21,          /* a box when all are pruned, */
+    JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
     JUMP_PAIR = 4,          /* and a pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
@@ -99,7 +100,8 @@ static int64_t count_wide(const struct grid *g)
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    struct costs c = {0, boxes * (JUMP_BOX + count_wide(g) / 4) + pairs * JUMP_PAIR,
+    int64_t jump_box = (g->rows.count[1] == 1 ? JUMP_BOX_IN_LINE : JUMP_BOX) + count_wide(g) / 4;
+    struct costs c = {0, boxes * jump_box + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
 }

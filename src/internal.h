@@ -996,10 +996,9 @@ uint32_t msap_count_for(double cells);
 int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
-void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat);
+void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, size_t last, size_t step);
 double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
-void msap_skin_was_left(struct box *b);
 void msap_skin_was_right(const struct grid *g, uint32_t slot);
 void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);

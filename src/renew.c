@@ -35,16 +35,6 @@
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* Makes the skin of a box that is live. One that has left its last one in this commit has learnt. */
-static void fit_one(struct grid *g, size_t slot)
-{
-    struct box *b = &g->boxes->at[slot];
-    if (!(b->flags & BOX_LIVE)) return;
-    if (b->flags & BOX_LEFT && b->flags & BOX_FITTED) msap_skin_was_left(b);
-    msap_skin_ahead(g, (uint32_t)slot, &g->renewal.fat[slot]);
-    g->boxes->at[slot].flags |= BOX_FITTED;
-}
-
 /* Boxes that get skins: from a slot on. */
 struct fitting {
     struct grid *grid;
@@ -56,7 +46,7 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct fitting *f = context;
     (void)w;
-    for (size_t slot = f->from + first; slot < f->from + last; slot++) fit_one(f->grid, slot);
+    msap_skins_make(f->grid, f->grid->renewal.fat, f->from + first, f->from + last, 1);
 }
 
 static void fit_all(struct grid *g, struct job *job, size_t from, size_t to)
@@ -106,7 +96,7 @@ static size_t one_in(size_t slots)
 static int try_skins(struct grid *g, struct job *job)
 {
     if (!prepare_skins(g, job)) return 0;
-    for (size_t slot = 0; slot < g->renewal.slots; slot += one_in(g->renewal.slots)) fit_one(g, slot);
+    msap_skins_make(g, g->renewal.fat, 0, g->renewal.slots, one_in(g->renewal.slots));
     return 1;
 }
 

@@ -336,7 +336,7 @@ enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as 
 /* Makes the skin of a box, to last as long as all others', between commits: it may be far longer than the box if
  * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a
  * step of floats that are far apart is soon made. */
-void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
+static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
@@ -346,9 +346,22 @@ void msap_skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
     int came = has_changed(g->boxes, slot) && is_new(g->boxes, slot);
-    float least = m.size * (came ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
+    float least = m.size * (float)(came ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
     if (!(m.size < FAR)) return;
     reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
+}
+
+/* Makes the skins of the boxes that are live in every step-th slot from `first` on. A box that has left its last
+ * one in this commit has learnt: the next one is wider. */
+void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, size_t last, size_t step)
+{
+    for (size_t slot = first; slot < last; slot += step) {
+        struct box *b = &g->boxes->at[slot];
+        if (!(b->flags & BOX_LIVE)) continue;
+        if (b->flags & BOX_LEFT && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
+        skin_ahead(g, (uint32_t)slot, &fat[slot]);
+        b->flags |= BOX_FITTED;
+    }
 }
 
 /* How many times the size of the box such a skin would be, made for so many commits: on all axes in which the box
@@ -395,12 +408,6 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
     struct motion m = motion_of(g, slot);
     reach_out(&b->now, &then.bounds, &m, (float)commits, 0, 0);
     return !contains(&b->fat, &then.bounds);
-}
-
-/* A box leaves its skin in the commit in which all get new ones: the next one is wider. */
-void msap_skin_was_left(struct box *b)
-{
-    if (b->wobble < WOBBLE_MOST) b->wobble++;
 }
 
 /* A box has not left its skin before all get new ones: little by little the next ones are narrower. */

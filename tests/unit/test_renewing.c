@@ -317,7 +317,7 @@ START_TEST(all_happens_at_once)
         if (_i != DEFAULT && _i % ALL_JUMP != what) continue;
         open_walk(&w, _i, 2 + (uint32_t)what % 2, (uint64_t)what + 20);
         for (int i = 0; i < 3; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.02f, i == 0 ? MSAP_STATIC : 0);
-        put_some(&w, 400, 0.12f, 2);
+        put_some(&w, 400, what % 2 ? 0.12f : 0.06f, 2);
         for (int frame = 0; frame < 60; frame++) {
             int was_in_skins = grid_of(&w)->in_skins && grid_of(&w)->renewal.next == NO_RENEWAL;
             shake(&w);
