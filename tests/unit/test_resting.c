@@ -480,7 +480,7 @@ END_TEST
  * is, there are not more and more of them. */
 START_TEST(cells_follow_and_stay_few)
 {
-    enum { ALL = 300, STATIC = 270, COMMITS = 20, ROUNDS = 20 };
+    enum { ALL = 300, STATIC = 288, COMMITS = 20, ROUNDS = 20 };
     loaded l;
     uint64_t chosen = 0;
     open_level(&l, DEFAULT, 3, SCENE_SPREAD);
