@@ -795,7 +795,6 @@ enum { REACH = 16 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
-void msap_row_set_end(struct row_set *set, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
 const char *msap_row_set_broken(const struct row_set *set);
 
@@ -835,7 +834,7 @@ struct sweeps msap_sweeps_for(uint32_t simd);
 
 /* The rows that a box is in: from which one and how many more on each axis across. */
 struct row_range {
-    uint32_t row; /* NO_ROW: it is in none; */
+    uint32_t row; /* or NO_ROW: it is not pruned, or wide */
     uint8_t more[2];
     uint16_t is_static; /* BOX_STATIC or 0 */
 };
@@ -857,7 +856,7 @@ struct pruning {
     uint32_t *end_by;   /* [rows] the same of each worker but the calling thread's */
     uint8_t *has_moved; /* [slots] while rows are kept: 1: a box is not in the same ones any more; else NULL */
     uint32_t *kept_id;  /* and then: the last rows' slots with marks, */
-    uint32_t *kept_end; /* [rows] and ends */
+    uint32_t *kept_end; /* [rows] and ends; if they are in another set, these are its own */
 };
 
 /* Skins, rows and candidates to come (renew.c). */

@@ -229,8 +229,9 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     return 1;
 }
 
-/* Finds the pairs that overlap, and the events. Returns 0 without memory, and
- * UNSUITED, with nothing done but that rows and wide boxes were counted anew, where there are many of these. */
+/* Finds the pairs that overlap, and the events. Returns 0 without memory, and UNSUITED where there are many wide
+ * boxes: then nothing is done, but the set of rows holds nothing any more, and a renewal that might keep them is
+ * given up. */
 int msap_grid_jump(struct grid *g, struct job *job)
 {
     struct jump j = {.grid = g, .job = job};
@@ -240,7 +241,10 @@ int msap_grid_jump(struct grid *g, struct job *job)
         return 1;
     }
     int done = count_all(g, job, p);
-    if (done != 1) return done;
+    if (done != 1) {
+        g->renewal.next = NO_RENEWAL;
+        return done;
+    }
     if (g->is_tracking) msap_grid_empty(g, job->memory);
     g->is_jumping = 1;
     g->moves = job->boxes->live;

@@ -11,16 +11,17 @@
  * 2. Each row is what is kept of it, sorted by insertion, merged with what comes to it.
  *
  * What is kept is that of all boxes whose rows are the same. Where at the last pruning many were in others, all
- * are listed anew. */
+ * are listed anew. The last rows stay as they are from the first of these steps to the second, between which, in a
+ * renewal (renew.c), commits may lie: one that makes others gives the renewal up. */
 #include "rows.h"
 
 /* Whether it is known where boxes were in these rows. */
 int msap_kept_are_told(const struct pruning *p)
 {
     const struct rows *now = p->rows, *then = &p->last->rows;
-    return p->last->slots > 0 && memcmp(now->axis, then->axis, sizeof now->axis) == 0 &&
-           memcmp(now->scale, then->scale, sizeof now->scale) == 0 &&
-           memcmp(now->count, then->count, sizeof now->count) == 0;
+    return p->last->slots > 0 && now->axis[0] == then->axis[0] && now->axis[1] == then->axis[1] &&
+           now->scale[0] == then->scale[0] && now->scale[1] == then->scale[1] && now->count[0] == then->count[0] &&
+           now->count[1] == then->count[1];
 }
 
 /* Whether, by the last pruning, most will be where they were. */
@@ -110,6 +111,4 @@ void msap_kept_merge(struct pruning *p, const uint32_t *coming)
         next = p->end[row];
         set->end[row] = at += (uint32_t)(n + more);
     }
-    p->entries = at;
-    msap_row_set_end(set, at);
 }

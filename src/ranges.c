@@ -10,8 +10,8 @@
 
 /* What a worker has counted of the slots from the first on. */
 struct counted {
-    size_t first, n_listed, n_wide, changed;
-    uint32_t *end; /* [rows] boxes that are listed; NULL: it was not at work */
+    size_t first, n_listed, n_wide, changed, leaving; /* entries that are not kept */
+    uint32_t *end;                                    /* [rows] boxes that are listed; NULL: it was not at work */
 };
 
 /* Counting at work. */
@@ -76,8 +76,8 @@ static inline __m128i starts_of_four(const struct rows *r, int k, const struct b
     return _mm_and_si128(low, _mm_set1_epi32((int32_t)r->count[k] - 1));
 }
 
-/* In which rows four boxes are. Returns 0 if one of them is not pruned, or is in more than two on an axis; then
- * what stands there means nothing. */
+/* In which rows four boxes are, the bounds of which are read even if they are not pruned. Returns 0 if one of them
+ * is not, or touches more than two on an axis; then what stands there means nothing. */
 static ALWAYS_INLINE int ranges_of_four(const struct pruning *j, const struct rows *r, size_t slot,
                                         struct row_range range[4])
 {
@@ -96,6 +96,7 @@ static ALWAYS_INLINE int ranges_of_four(const struct pruning *j, const struct ro
     return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_or_si128(lacks, are_many), _mm_setzero_si128())) == 0xffff;
 }
 #else
+/* The same, where it may touch more. */
 static int ranges_of_four(const struct pruning *j, const struct rows *r, size_t slot, struct row_range range[4])
 {
     int are_in = 1;
@@ -146,6 +147,12 @@ static void exchange_ranges(const struct counting *all, struct some_boxes *some)
     memcpy(all->pruning->range + slot, some->now, n * sizeof *some->now);
 }
 
+/* How many entries name a box in the rows that it is in. */
+static inline size_t entries_of(const struct row_range *range)
+{
+    return range->row == NO_ROW ? 0 : (size_t)(range->more[0] + 1) * (size_t)(range->more[1] + 1);
+}
+
 /* Where rows are kept: lists those that are in others than they were. */
 static void list_moved(const struct pruning *j, struct counted *c, struct some_boxes *some)
 {
@@ -160,6 +167,7 @@ static void list_moved(const struct pruning *j, struct counted *c, struct some_b
         int is_same = is_in_same(some->now + i, some->before + i, 1);
         has_moved[i] = (uint8_t)!is_same;
         c->changed += (size_t)!is_same;
+        c->leaving += is_same ? 0 : entries_of(&some->before[i]);
         some->listed[n] = (uint32_t)i;
         n += !is_same & (some->now[i].row != NO_ROW);
     }
@@ -202,7 +210,7 @@ static void count_some(void *context, struct worker *w, size_t first, size_t las
     struct counting *all = context;
     const struct pruning *j = all->pruning;
     size_t worker = (size_t)(w - j->job->crew->worker), rows = (size_t)j->rows->count[0] * j->rows->count[1];
-    struct counted c = {first, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * rows};
+    struct counted c = {first, 0, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * rows};
     struct some_boxes some;
     memset(c.end, 0, rows * sizeof *c.end);
     for (some.slot = first; some.slot < last; some.slot += some.n) {
@@ -230,6 +238,7 @@ static void add_up(struct pruning *j, const struct counting *all)
         j->n_listed += c->n_listed;
         j->n_wide += c->n_wide;
         j->set->changed += c->changed;
+        j->entries -= c->leaving;
         for (size_t row = 0; i > 0 && row < rows; row++) j->end[row] += c->end[row];
     }
     for (size_t row = 0; row < rows; row++) j->entries += j->end[row];
@@ -249,8 +258,8 @@ static size_t words_of(const struct pruning *j, int keeps)
            (keeps ? msap_kept_words(j) : 0);
 }
 
-/* Places the arrays in the memory of `words`, which grows as needed, and in the set, which knew of so many slots
- * where boxes are. Returns 0 without memory. */
+/* Places the arrays in the memory of `words`, which grows as needed, and in the set, of which so many ranges are
+ * still to be read. Returns 0 without memory. */
 static int place_arrays(struct pruning *j, struct scratch *words, size_t had, int keeps)
 {
     struct memory *m = j->job->memory;

@@ -264,20 +264,12 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
     for (size_t k = 0; k < 3; k++) {
         set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
         set->max[k] = set->min[k] + entries + ROW_SLACK;
-    }
-    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
-    msap_row_set_end(set, entries);
-    return 1;
-}
-
-/* Behind so many entries, as many as it was made for or fewer, there is slack. */
-void msap_row_set_end(struct row_set *set, size_t entries)
-{
-    for (size_t k = 0; k < 3; k++) {
         memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
         memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
     }
+    set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
     memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
+    return 1;
 }
 
 void msap_row_set_free(struct row_set *set, struct memory *m)

@@ -333,14 +333,14 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
 
 enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as foreseen */, LEAST_PART = 32 };
 
-/* Makes the skin of a box, to last as long as all others', between commits: it may be far longer than the box if
+/* Makes the skin of a box, which is its bounds before, to last as long as all others', between commits: it may be far longer than the box if
  * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a
  * step of floats that are far apart is soon made. */
 static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
-    *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
+    if (g->config->margin >= 0) *fat = msap_bounds_widened(&b->now, g->config->margin);
     if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
     struct motion m = motion_of(g, slot);
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
@@ -351,12 +351,13 @@ static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct
     reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
 }
 
-/* Makes the skins of the boxes that are live in every step-th slot from `first` on. A box that has left its last
- * one in this commit has learnt: the next one is wider. */
+/* Makes the skins of the boxes that are live in every step-th slot from `first` on; what others get means nothing.
+ * A box that has left its last one in this commit has learnt: the next one is wider. */
 void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, size_t last, size_t step)
 {
     for (size_t slot = first; slot < last; slot += step) {
         struct box *b = &g->boxes->at[slot];
+        fat[slot] = b->now;
         if (!(b->flags & BOX_LIVE)) continue;
         if (b->flags & BOX_LEFT && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
         skin_ahead(g, (uint32_t)slot, &fat[slot]);

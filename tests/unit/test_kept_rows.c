@@ -245,6 +245,75 @@ START_TEST(all_go_and_others_come)
 }
 END_TEST
 
+/* Boxes tremble a little, and cells and lists, if there are any, are not given up. */
+static void calm_down(crowd *c)
+{
+    grid_of(c)->gain = INT32_MAX;
+    tremble(c, 0.01f);
+    end_frame(c);
+}
+
+/* Many boxes become wide while a renewal in steps is to keep rows, and boxes are in cells: rows are counted anew, in
+ * vain, and the renewal is given up. */
+START_TEST(rows_are_overwritten_between_the_steps)
+{
+    static const int same[3] = {0, 1, 2};
+    crowd c;
+    open_crowd(&c, DEFAULT, 3);
+    put_some(&c, 600);
+    settle_down(&c, 12);
+    remake(&c, same, 2, 1.5f);
+    c.s.world->stale = 1; /* so cells and lists are made, as after a commit without memory */
+    for (int frame = 0; frame < 15; frame++) calm_down(&c);
+    struct grid *g = grid_of(&c);
+    struct job job = {&c.s.world->boxes, &c.s.world->pairs, &c.s.world->crew.worker[0], &c.s.world->memory,
+                      &c.s.world->scratch, &c.s.world->crew, c.s.world->config.filters};
+    g->upkeep.horizon = 40;
+    msap_renewal_begin(g, &job);
+    for (int frame = 0; frame < 20 && g->renewal.next != SORT_ROWS; frame++) calm_down(&c);
+    ck_assert(g->renewal.next == SORT_ROWS && g->is_tracking && !g->is_resting);
+    for (uint32_t i = 0; i <= MOST_WIDE; i++) set(&c, i, box_of((float)i / 8, -3, -3, (float)i / 8, 30, 30));
+    g->gain = INT32_MIN;
+    g->rows.chosen_for = 0;
+    end_frame(&c);
+    ck_assert(g->renewal.next == NO_RENEWAL && g->is_tracking);
+    for (int frame = 0; frame < 5; frame++) calm_down(&c);
+    right(session_close(&c.s));
+}
+END_TEST
+
+/* Each box goes to where the next one was. */
+static void shift_places(crowd *c)
+{
+    box first = c->bounds[0];
+    for (uint32_t i = 0; i + 1 < c->n; i++) set(c, i, c->bounds[i + 1]);
+    set(c, c->n - 1, first);
+    end_frame(c);
+}
+
+/* Rows hold as many boxes as before, but others: no memory is asked for. */
+START_TEST(boxes_change_places)
+{
+    crowd c;
+    open_crowd(&c, DEFAULT, 3);
+    put_some(&c, 700);
+    tremble(&c, 0);
+    end_frame(&c);
+    grid_of(&c)->upkeep.not_before = UINT32_MAX / 2;
+    shift_places(&c);
+    shift_places(&c);
+    for (int frame = 0; frame < 12; frame++) {
+        tremble(&c, 0);
+        end_frame(&c);
+    }
+    ck_assert_uint_eq(grid_of(&c)->row_set.changed, 0);
+    size_t calls = c.s.memory.calls;
+    shift_places(&c);
+    ck_assert_uint_eq(c.s.memory.calls, calls);
+    right(session_close(&c.s));
+}
+END_TEST
+
 /* The n-th allocation fails while more boxes come to kept rows. Returns whether there was one. */
 static size_t come_without_memory(size_t n)
 {
@@ -300,6 +369,8 @@ int main(void)
     tcase_add_loop_test(tests, kept_rows_turn_around, 0, SETUPS);
     tcase_add_loop_test(tests, other_rows_are_chosen, 0, SETUPS);
     tcase_add_loop_test(tests, all_go_and_others_come, 0, SETUPS);
+    tcase_add_test(tests, rows_are_overwritten_between_the_steps);
+    tcase_add_test(tests, boxes_change_places);
     tcase_add_test(tests, without_memory);
     tcase_add_test(tests, broken_ranges);
     return run_case(tests, "kept rows");
