@@ -201,8 +201,8 @@ static uint64_t marks_in_rows(const struct rows *r, const struct row_range *rang
     return marks;
 }
 
-/* Of rows that can be kept: the marks of all boxes in the rows that they are said to be in, less those of all
- * entries, leave nothing. */
+/* Of rows that can be kept: each is sorted; and the marks of all boxes in the rows that they are said to be in, less
+ * those of all entries, leave nothing. */
 const char *msap_row_set_broken(const struct row_set *set)
 {
     uint64_t marks = 0;
@@ -211,7 +211,10 @@ const char *msap_row_set_broken(const struct row_set *set)
     for (uint32_t slot = 0; slot < set->slots; slot++)
         if (set->range[slot].row != NO_ROW) marks += marks_in_rows(&set->rows, &set->range[slot], slot);
     for (size_t row = 0; row < rows; row++)
-        for (uint32_t i = row_start(set, row); i < set->end[row]; i++) marks -= mark_of(set->id[i], (uint32_t)row);
+        for (uint32_t i = row_start(set, row); i < set->end[row]; i++) {
+            if (i > row_start(set, row) && set->min[0][i] < set->min[0][i - 1]) return "a row is not sorted";
+            marks -= mark_of(set->id[i], (uint32_t)row);
+        }
     return marks == 0 ? NULL : "rows name other boxes than are said to be in them";
 }
 

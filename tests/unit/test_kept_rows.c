@@ -356,6 +356,11 @@ START_TEST(broken_ranges)
     rows->range[7].row = NO_ROW;
     is_broken(c.s.world, "rows name other boxes than are said to be in them");
     rows->range[7].row = row;
+    uint32_t last = rows->end[0] - 1; /* of the first row, which has several boxes */
+    int32_t min = rows->min[0][last];
+    rows->min[0][last] = INT32_MIN;
+    is_broken(c.s.world, "a row is not sorted");
+    rows->min[0][last] = min;
     right(session_compare(&c.s));
     right(session_close(&c.s));
 }
