@@ -90,8 +90,8 @@ coverage: ## lines and branches of src/ that the tests reach, of which none may 
 	$(call cover,coverage-portable,-U__SSE2__,run-portable test-differential test-corpus)
 	@tests/trust/coverage.sh $(BUILD)/coverage $(BUILD)/coverage-portable
 
-# What reaches those portable halves that take a lack of memory, boxes far away, or skins.
-run-portable: $(patsubst %,$(BUILD)/tests/unit/test_%,far_boxes kept_rows memory renewing)
+# What reaches those portable halves that take a lack of memory, boxes far away, very many, or in skins.
+run-portable: $(patsubst %,$(BUILD)/tests/unit/test_%,far_boxes kept_rows many_boxes memory renewing)
 	$(run_each)
 
 # Test-trust with a smaller pair explosion, in which each box is compared with each.
