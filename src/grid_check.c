@@ -201,8 +201,8 @@ static uint64_t marks_in_rows(const struct rows *r, const struct row_range *rang
     return marks;
 }
 
-/* Of rows that can be kept: each is sorted; and the marks of all boxes in the rows that they are said to be in, less
- * those of all entries, leave nothing. */
+/* Of rows that can be kept: each is sorted; and the marks of all boxes in the rows that they are said to be in,
+ * less those of all entries, leave nothing. */
 const char *msap_row_set_broken(const struct row_set *set)
 {
     uint64_t marks = 0;

@@ -15,7 +15,8 @@
  * renewal (renew.c), commits may lie: one that makes others gives the renewal up. */
 #include "rows.h"
 
-/* Whether it is known where boxes were in these rows. */
+/* Whether it is known where boxes were in as many rows; and in these, since on other axes, or in wider rows,
+ * hardly one would be where it was. */
 int msap_kept_are_told(const struct pruning *p)
 {
     const struct rows *now = p->rows, *then = &p->last->rows;
@@ -24,7 +25,8 @@ int msap_kept_are_told(const struct pruning *p)
            now->count[1] == then->count[1];
 }
 
-/* Whether, by the last pruning, most will be where they were. */
+/* Whether, by the last pruning, most will be where they were. Where more move, to bring rows up to date takes
+ * fewer instructions still, but not less time: which boxes move, and how far, no processor can guess. */
 int msap_kept_are_most(const struct pruning *p)
 {
     enum { SHARE = 8 };

@@ -3,9 +3,9 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * Of some boxes at a time it is found in which rows they are and in which they were; then those are chosen that are
- * to be listed, all or, where rows are kept (kept.c), those that are in others now; and these are counted. So each
- * loop is short, and none asks what no processor can guess. */
+ * Of some boxes at a time it is found in which rows they are and in which they were; then those are chosen that
+ * are to be listed, all or, where rows are kept (kept.c), those that are in others now; and these are counted. So
+ * each loop is short, and asks little that no processor can guess. */
 #include "rows.h"
 
 /* What a worker has counted of the slots from the first on. */

@@ -147,8 +147,8 @@ static int count_rows(struct grid *g, struct job *job)
     return 1;
 }
 
-/* The pruning of a step before, of the same boxes, whatever has become of them; the last rows, which it may keep, are
- * the same. */
+/* The pruning of a step before, of the same boxes, whatever has become of them; the last rows, which it may keep,
+ * are the same. */
 static struct pruning *pruning_of(struct grid *g, struct job *job)
 {
     g->renewal.pruning.job = job;

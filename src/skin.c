@@ -333,9 +333,9 @@ void msap_skin_first(const struct grid *g, uint32_t slot)
 
 enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as foreseen */, LEAST_PART = 32 };
 
-/* Makes the skin of a box, which is its bounds before, to last as long as all others', between commits: it may be far longer than the box if
- * that moved as was foreseen before. A box that is new may move anywhere; one that stands still may tremble; and a
- * step of floats that are far apart is soon made. */
+/* Makes the skin of a box, which is its bounds before, to last as long as all others', between commits: it may be
+ * far longer than the box if that moved as was foreseen before. A box that is new may move anywhere; one that
+ * stands still may tremble; and a step of floats that are far apart is soon made. */
 static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };

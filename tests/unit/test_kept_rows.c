@@ -364,6 +364,23 @@ START_TEST(without_memory)
 }
 END_TEST
 
+/* What the rows of the last pruning hold wrongly, they do after the next one: so they were kept. */
+START_TEST(rows_are_kept)
+{
+    crowd c;
+    open_crowd(&c, DEFAULT, 3);
+    put_some(&c, 300);
+    settle_down(&c, 12);
+    struct row_set *rows = &grid_of(&c)->row_set;
+    rows->id[5] = rows->id[6];
+    tremble(&c, 0);
+    ok(msap_commit(c.s.world, NULL, NULL));
+    ck_assert(grid_of(&c)->is_jumping);
+    is_broken(c.s.world, "rows name other boxes than are said to be in them");
+    right(session_close(&c.s));
+}
+END_TEST
+
 /* The validator sees what rows should hold and do not. */
 START_TEST(broken_ranges)
 {
@@ -404,6 +421,7 @@ int main(void)
     tcase_add_test(tests, rows_are_overwritten_between_the_steps);
     tcase_add_test(tests, boxes_change_places);
     tcase_add_test(tests, without_memory);
+    tcase_add_test(tests, rows_are_kept);
     tcase_add_test(tests, broken_ranges);
     return run_case(tests, "kept rows");
 }
