@@ -121,21 +121,21 @@ static uint32_t take_slot(struct box_table *t)
 /* The table has room. The slot comes to the ends of both lists. */
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
+    static const struct box fresh = {.fat = EVERYWHERE, .level = NO_LEVEL, .horizon = HORIZON_FIRST, .wobble = 1};
     static const struct bounds nowhere = NOWHERE;
-    uint32_t slot = take_slot(t);
+    uint32_t slot = take_slot(t), is_static = flags & MSAP_STATIC ? BOX_STATIC : 0;
     struct box *b = &t->at[slot];
+    uint32_t generation = b->generation;
+    *b = fresh;
     b->now = *bounds;
-    box_forget_place(b);
-    b->horizon = HORIZON_FIRST;
-    b->wobble = 1;
-    b->changed_in = 0;
-    b->flags = BOX_LIVE | (flags & MSAP_STATIC ? BOX_STATIC : 0);
+    b->generation = generation;
+    b->flags = (uint16_t)(BOX_LIVE | BOX_LEFT | is_static);
     if (t->user_data) t->user_data[slot] = user_data;
     t->live++;
-    t->live_static += (b->flags & BOX_STATIC) != 0;
-    box_mark_changed(t, slot);
-    box_mark_left(t, slot);
+    t->live_static += is_static != 0;
     t->past[slot].before = nowhere;
+    box_list_changed(t, slot);
+    t->left[t->n_left++] = slot;
 }
 
 /* Takes back the additions since the table had so many slots used and so many boxes on its
@@ -175,8 +175,10 @@ static void next_epoch(struct box_table *t)
 /* The commit succeeded: nothing is changed, and what is now was before. */
 void msap_boxes_committed(struct box_table *t)
 {
+    enum { AHEAD = 24 };
     for (size_t i = 0; i < t->n_left; i++) {
         struct box *b = &t->at[t->left[i]];
+        if (t->n_left - i > AHEAD) prefetch(&t->at[t->left[i + AHEAD]]);
         b->flags &= ~(uint32_t)(BOX_LEFT | BOX_WAS);
         if (b->flags & BOX_LIVE) b->flags |= BOX_WAS;
     }

@@ -91,12 +91,16 @@ msap_status msap_add(msap_world *world, const float *min, const float *max, uint
 
 /* ----------------------------------------------------------------- removing */
 
+/* Boxes are fetched so far ahead of the one that is seen to. */
+enum { AHEAD = 24 };
+
 /* Takes BOX_LIVE from all of them, so that a handle that comes twice is stale the
  * second time; an offender gives it back to those before it. */
 static msap_status check_remove(msap_world *w, size_t k, const msap_handle *handles)
 {
     for (size_t i = 0; i < k; i++) {
         struct box *b = box_find(&w->boxes, handles[i], BOX_LIVE);
+        if (k - i > AHEAD) box_fetch(&w->boxes, handles[i + AHEAD]);
         if (!b) {
             for (size_t j = 0; j < i; j++) w->boxes.at[slot_of(handles[j])].flags |= BOX_LIVE;
             return msap_world_fail(w, MSAP_ERROR_HANDLE, i, MSAP_NO_BOUND);
@@ -110,7 +114,10 @@ static msap_status remove_many(msap_world *w, size_t k, const msap_handle *handl
 {
     if (k > 0 && !handles) return msap_world_fail(w, MSAP_ERROR_NULL, 0, MSAP_NO_BOUND);
     msap_status status = check_remove(w, k, handles);
-    for (size_t i = 0; i < k && status == MSAP_OK; i++) msap_box_remove(&w->boxes, slot_of(handles[i]));
+    for (size_t i = 0; i < k && status == MSAP_OK; i++) {
+        if (k - i > AHEAD) box_fetch(&w->boxes, handles[i + AHEAD]);
+        msap_box_remove(&w->boxes, slot_of(handles[i]));
+    }
     return status;
 }
 

@@ -10,12 +10,24 @@
  * chapter I.6 done in a batch; the list is kept for the next commit. */
 #include "internal.h"
 
-/* Whether this should cost less than settling the known pairs and those found: by how many
- * came and went in the last commit. */
-int msap_compare_is_worth_it(const struct grid *g, const struct pair_table *pairs)
+/* Whether a quarter of the boxes or more were not there at the last commit: then nearly half of the pairs or more
+ * were not. */
+static int have_many_come(const struct box_table *t)
 {
+    enum { SHARE = 4 };
+    size_t n = 0;
+    if (t->n_left < t->live / SHARE) return 0;
+    for (size_t i = 0; i < t->n_left; i++) n += (t->at[t->left[i]].flags & (BOX_LIVE | BOX_WAS)) == BOX_LIVE;
+    return n >= t->live / SHARE;
+}
+
+/* Whether this should cost less than settling the known pairs and those found: by how many pairs
+ * came and went in the last commit, and how many boxes have come since. */
+int msap_compare_is_worth_it(const struct grid *g, const struct job *job)
+{
+    const struct pair_table *pairs = job->pairs;
     size_t both = pairs->created < pairs->deleted ? pairs->created : pairs->deleted;
-    return both > pairs->active / (g->knows_pairs ? 8 : 4);
+    return both > pairs->active / (g->knows_pairs ? 8 : 4) || have_many_come(job->boxes);
 }
 
 /* The first broken invariant, or NULL, of a world whose pairs can be found. */

@@ -242,6 +242,15 @@ static inline struct box *box_find(const struct box_table *t, msap_handle handle
     return b->generation == generation && (b->flags & flags) ? b : NULL;
 }
 
+/* Fetches what will be changed where a box of the caller's is updated or removed. */
+static inline void box_fetch(const struct box_table *t, msap_handle handle)
+{
+    uint32_t slot = slot_of(handle);
+    if (slot >= t->used) return;
+    prefetch(&t->at[slot]);
+    prefetch(&t->past[slot]);
+}
+
 static inline void *box_user_data(const struct box_table *t, uint32_t slot)
 {
     return t->user_data ? t->user_data[slot] : NULL;
@@ -295,12 +304,17 @@ static inline void box_change(struct box_table *t, uint32_t slot, const struct b
         {INT32_MAX, INT32_MAX, INT32_MAX}, { INT32_MIN, INT32_MIN, INT32_MIN } \
     }
 
+/* All space: the fat bounds of a box that is in no cell. */
+#define EVERYWHERE                                                                                           \
+    {                                                                                                        \
+        {ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF}, { ORDERED_INF, ORDERED_INF, ORDERED_INF } \
+    }
+
 /* The box is in no cell. */
 static inline void box_forget_place(struct box *b)
 {
-    static const struct bounds all = {{ORDERED_MINUS_INF, ORDERED_MINUS_INF, ORDERED_MINUS_INF},
-                                      {ORDERED_INF, ORDERED_INF, ORDERED_INF}};
-    b->fat = all;
+    static const struct bounds everywhere = EVERYWHERE;
+    b->fat = everywhere;
     b->level = NO_LEVEL;
 }
 
@@ -1080,7 +1094,7 @@ int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n);
 const char *msap_rest_broken(const struct grid *g);
-int msap_compare_is_worth_it(const struct grid *g, const struct pair_table *pairs);
+int msap_compare_is_worth_it(const struct grid *g, const struct job *job);
 int msap_compare(struct grid *g, struct job *job);
 const char *msap_known_broken(const struct grid *g, const struct pair_table *pairs);
 uint32_t msap_grid_update(struct grid *g, struct job *job, uint32_t strategy);

@@ -248,8 +248,8 @@ int msap_grid_jump(struct grid *g, struct job *job)
     if (g->is_tracking) msap_grid_empty(g, job->memory);
     g->is_jumping = 1;
     g->moves = job->boxes->live;
-    j.is_comparing = msap_compare_is_worth_it(g, job->pairs);
-    complete_before(job->boxes);
+    j.is_comparing = msap_compare_is_worth_it(g, job);
+    if (!j.is_comparing) complete_before(job->boxes);
     if (!msap_rows_sort(p)) return 0;
     msap_rows_list(p);
     msap_rows_fill(p);

@@ -49,14 +49,6 @@ static int are_scattered(const msap_handle *handles, size_t k)
     return far > n / 2;
 }
 
-/* Fetches what an update of a box will change. */
-static inline void fetch(const struct box_table *t, uint32_t slot)
-{
-    if (slot >= t->used) return;
-    prefetch(&t->at[slot]);
-    prefetch(&t->past[slot]);
-}
-
 /* Updates the boxes of a plain batch in a part of the slots, from the i-th of the batch on, as long as
  * each is live, was not changed yet and gets legal bounds: nearly always all of them, so all that loops
  * need not ask is asked before. Returns the first that is not such a box. */
@@ -72,7 +64,7 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
                *max = (const char *)from->max + (ptrdiff_t)i * row_max;
     for (; i < k; i++, min += row_min, max += row_max) {
         uint32_t slot = slot_of(handles[i]);
-        if (scattered && k - i > AHEAD) fetch(&t, slot_of(handles[i + AHEAD]));
+        if (scattered && k - i > AHEAD) box_fetch(&t, handles[i + AHEAD]);
         if (slot - own.first > own.more) continue;
         struct box *b = box_find(&t, handles[i], BOX_LIVE);
         int is_within;
