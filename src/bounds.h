@@ -156,6 +156,12 @@ static inline uint32_t marks_of_four(const uint64_t *at)
     return (uint32_t)_mm_movemask_ps(_mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0)));
 }
 
+/* The upper bits of four. */
+static inline uint32_t upper_bits_of_four(const uint32_t *at)
+{
+    return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)(const void *)at));
+}
+
 static inline int contains(const struct bounds *outer, const struct bounds *inner)
 {
     return none_above(load_bounds(outer->min), load_bounds(inner->min), load_bounds(inner->max),
@@ -265,6 +271,12 @@ static inline uint32_t marks_of_four(const uint64_t *at)
 {
     return (uint32_t)((at[0] >> 31 & 1) | (at[1] >> 31 & 1) << 1 | (at[2] >> 31 & 1) << 2 |
                       (at[3] >> 31 & 1) << 3);
+}
+
+/* The upper bits of four. */
+static inline uint32_t upper_bits_of_four(const uint32_t *at)
+{
+    return at[0] >> 31 | at[1] >> 31 << 1 | at[2] >> 31 << 2 | at[3] >> 31 << 3;
 }
 
 static inline int contains(const struct bounds *outer, const struct bounds *inner)

@@ -25,17 +25,40 @@ struct above {
     uint32_t index[MOST_BUFFERED + BUFFER_SLACK];
 };
 
+static inline gaps gaps_above(const struct box *boxes, const struct pair_buffer *p, size_t i)
+{
+    return gaps_of(&boxes[p->a[i]].now, &boxes[near_slot(p->b[i])].now);
+}
+
+/* Which of four of them are not what they were, a bit each. */
+static inline uint32_t changed_above(const struct box *boxes, const struct pair_buffer *p, size_t i)
+{
+    return upper_bits_of_four(p->b + i) ^ overlaps_of(gaps_above(boxes, p, i), gaps_above(boxes, p, i + 1),
+                                                      gaps_above(boxes, p, i + 2), gaps_above(boxes, p, i + 3));
+}
+
+/* Pairs that are not what they were any more: their entries tell which. */
+static void settle_changed(struct settler *s, const struct above *p, size_t i, uint32_t changed)
+{
+    for (; changed > 0; i++, changed >>= 1) {
+        if (!(changed & 1)) continue;
+        uint32_t a = p->pair.a[i], entry = p->pair.b[i];
+        msap_settle_change(s, (uint64_t)a << 32 | near_slot(entry), !(entry & NEAR_PAIR));
+        msap_settle_note(s, a, p->index[i]);
+    }
+}
+
+/* Nearly all are what they were: so they are looked at by fours. */
 static void settle_above(struct settler *s, const struct above *p, size_t n)
 {
     const struct box *boxes = s->boxes->at;
+    size_t i = 0;
     s->touched += n;
-    for (size_t i = 0; i < n && s->boxes->used > MANY_BOXES; i++) prefetch(&boxes[near_slot(p->pair.b[i])]);
-    for (size_t i = 0; i < n; i++) {
-        uint32_t a = p->pair.a[i], entry = p->pair.b[i], b = near_slot(entry);
-        int is = overlap(&boxes[a].now, &boxes[b].now);
-        if (is == (int)(entry >> 31)) continue;
-        msap_settle_change(s, (uint64_t)a << 32 | b, is);
-        msap_settle_note(s, a, p->index[i]);
+    for (size_t k = 0; k < n && s->boxes->used > MANY_BOXES; k++) prefetch(&boxes[near_slot(p->pair.b[k])]);
+    for (; n - i >= 4; i += 4) settle_changed(s, p, i, changed_above(boxes, &p->pair, i));
+    for (; i < n; i++) {
+        int is = overlap(&boxes[p->pair.a[i]].now, &boxes[near_slot(p->pair.b[i])].now);
+        settle_changed(s, p, i, (uint32_t)is ^ p->pair.b[i] >> 31);
     }
 }
 
