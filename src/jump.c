@@ -29,13 +29,13 @@ struct jump {
     int has_skins;    /* the rows hold skins, and what is found are candidates, which are kept */
 };
 
-/* Whether four pairs overlapped before. */
-static inline int are_known(const struct past *past, const uint32_t *a, const uint32_t *b)
+/* Which of four pairs overlapped before, a bit each. */
+static inline uint32_t known_among(const struct past *past, const uint32_t *a, const uint32_t *b)
 {
     return overlaps_of(gaps_of(&past[a[0]].before, &past[b[0]].before),
                        gaps_of(&past[a[1]].before, &past[b[1]].before),
                        gaps_of(&past[a[2]].before, &past[b[2]].before),
-                       gaps_of(&past[a[3]].before, &past[b[3]].before)) == 15;
+                       gaps_of(&past[a[3]].before, &past[b[3]].before));
 }
 
 /* Settles pairs, of which nearly all are known: so they are looked at by fours. */
@@ -44,7 +44,7 @@ static void settle_taken(struct settler *s, const struct pair_buffer *taken)
     size_t i = 0;
     s->touched += taken->n;
     for (; taken->n - i >= 4; i += 4) {
-        if (are_known(s->boxes->past, taken->a + i, taken->b + i)) continue;
+        if (known_among(s->boxes->past, taken->a + i, taken->b + i) == 15) continue;
         for (size_t k = i; k < i + 4; k++) settle_found(s, taken->a[k], taken->b[k]);
     }
     for (; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
@@ -63,46 +63,42 @@ static inline gaps gaps_in(const struct box *box, const struct pair_buffer *take
     return gaps_of(&box[taken->a[i]].now, &box[taken->b[i]].now);
 }
 
-/* Puts the i-th of the candidates behind the pairs, where it stays if `is` is 1. */
-static inline void put_if(struct pair_buffer *pairs, const struct pair_buffer *taken, size_t i, uint32_t is)
+/* Settles those of the four candidates from the i-th on that are pairs, a bit each. Where there was no pair all of
+ * them are new. */
+static inline void settle_among(struct settler *s, const struct pair_buffer *taken, size_t i, uint32_t are,
+                                int had_pairs)
 {
-    pairs->a[pairs->n] = taken->a[i];
-    pairs->b[pairs->n] = taken->b[i];
-    pairs->n += is;
+    if (had_pairs) are &= ~known_among(s->boxes->past, taken->a + i, taken->b + i);
+    for (; are > 0; i++, are >>= 1)
+        if (are & 1) msap_settle_change(s, pair_key(taken->a[i], taken->b[i]), 1);
 }
 
 /* Keeps candidates, by fours, and settles those that are pairs. */
-static void keep_candidates(struct worker *w, const struct pair_buffer *taken)
+static void keep_candidates(struct worker *w, const struct pair_buffer *taken, int had_pairs)
 {
     const struct box *box = w->settler.boxes->at;
-    struct pair_buffer pairs;
     size_t i = 0;
     if (taken->n == 0 || !msap_worker_has_room(w, taken->n, 0)) return;
     uint64_t *out = w->pairs.at + w->pairs.n;
-    pairs.n = 0;
     for (; taken->n - i >= 4; i += 4) {
         uint32_t are = overlaps_of(gaps_in(box, taken, i), gaps_in(box, taken, i + 1), gaps_in(box, taken, i + 2),
                                    gaps_in(box, taken, i + 3));
         marked_pairs_of_four(out + i, taken->a + i, taken->b + i, are);
-        put_if(&pairs, taken, i, are & 1);
-        put_if(&pairs, taken, i + 1, are >> 1 & 1);
-        put_if(&pairs, taken, i + 2, are >> 2 & 1);
-        put_if(&pairs, taken, i + 3, are >> 3);
+        if (are) settle_among(&w->settler, taken, i, are, had_pairs);
     }
     for (; i < taken->n; i++) {
-        uint32_t is = (uint32_t)overlap(&box[taken->a[i]].now, &box[taken->b[i]].now);
-        out[i] = (uint64_t)taken->a[i] << 32 | taken->b[i] | is << 31;
-        put_if(&pairs, taken, i, is);
+        uint32_t a = taken->a[i], b = taken->b[i], is = (uint32_t)overlap(&box[a].now, &box[b].now);
+        out[i] = (uint64_t)a << 32 | b | is << 31;
+        if (is) settle_found(&w->settler, a, b);
     }
-    settle_taken(&w->settler, &pairs);
-    w->settler.touched += taken->n - pairs.n;
+    w->settler.touched += taken->n;
     w->pairs.n += taken->n;
 }
 
 static void take(const void *context, struct worker *w, const struct pair_buffer *found)
 {
     const struct jump *j = context;
-    if (j->has_skins) keep_candidates(w, found);
+    if (j->has_skins) keep_candidates(w, found, j->job->pairs->active > 0);
     else if (j->is_comparing) keep_taken(w, found);
     else settle_taken(&w->settler, found);
 }
