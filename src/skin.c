@@ -75,6 +75,14 @@ static uint32_t crawl_time(const struct grid *g, uint32_t slot)
     return (b->level != NO_LEVEL || g->in_skins) && age > 1 && age < HORIZON_MOST ? age : 0;
 }
 
+enum {
+    UNITS_ASIDE = 2 /* in the last place, that a skin is wider on each side, since such a step is soon made */
+};
+
+/* The bits of the float that a skin reaches to at the most: so many units behind it no NaN comes. If what it is to
+ * reach to is a NaN, it reaches as far. (On integers it contains the box, even so.) */
+#define FARTHEST (ORDERED_INF - UNITS_ASIDE)
+
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
  * it crawls, by all since it got its skin. Infinite bounds make NaNs of what depends on them. */
 #if defined(__SSE2__)
@@ -91,10 +99,11 @@ static inline __m128 values_of(__m128i bits)
     return _mm_castsi128_ps(_mm_and_si128(bits, _mm_set_epi32(0, -1, -1, -1)));
 }
 
-static inline float largest(__m128 v)
+/* The largest of three positive floats, and in lane 1 that of three others. */
+static inline __m128 largest_of_both(__m128 v, __m128 u)
 {
-    v = _mm_max_ps(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 0, 3, 2)));
-    return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
+    __m128 most = _mm_max_ps(_mm_unpacklo_ps(v, u), _mm_unpackhi_ps(v, u));
+    return _mm_max_ps(most, _mm_movehl_ps(most, most));
 }
 
 static inline __m128 choose_floats(__m128i which, __m128 a, __m128 b)
@@ -122,14 +131,14 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     struct motion m;
     const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
-    uint32_t commits = crawl_time(g, slot);
     __m128i min = load_bounds(now->min), step = _mm_sub_epi32(min, load_bounds(before->min));
     m.low = values_of(min);
     m.high = values_of(load_bounds(now->max));
     m.down = _mm_sub_ps(m.low, values_of(load_bounds(before->min)));
     m.up = _mm_sub_ps(m.high, values_of(load_bounds(before->max)));
     __m128i axes = are_within(step, CRAWL);
-    if (commits > 0 && (_mm_movemask_ps(_mm_castsi128_ps(axes)) & 7)) {
+    uint32_t commits = _mm_movemask_ps(_mm_castsi128_ps(axes)) & 7 ? crawl_time(g, slot) : 0;
+    if (commits > 0) {
         __m128i way = way_of(g, slot);
         axes = _mm_and_si128(axes, are_within(way, CRAWL * (int32_t)commits));
         __m128 mean =
@@ -137,19 +146,19 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
         m.down = choose_floats(axes, mean, m.down);
         m.up = choose_floats(axes, mean, m.up);
     }
-    m.size = largest(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero));
-    m.step = largest(
-        _mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero)));
+    __m128 steps =
+        _mm_max_ps(_mm_max_ps(_mm_andnot_ps(sign, m.down), zero), _mm_max_ps(_mm_andnot_ps(sign, m.up), zero));
+    __m128 most = largest_of_both(_mm_max_ps(_mm_sub_ps(m.high, m.low), zero), steps);
+    m.size = _mm_cvtss_f32(most);
+    m.step = _mm_cvtss_f32(_mm_shuffle_ps(most, most, _MM_SHUFFLE(1, 1, 1, 1)));
     return m;
 }
 
-/* Encoded and moved by so many units, but never as a NaN. */
+/* Encoded and moved by so many units. A zero with a sign counts as one below the other. */
 static inline __m128i three_ordered(__m128 values, int32_t units)
 {
-    const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
-    __m128i ordered = _mm_add_epi32(encode_lanes(_mm_castps_si128(values)), _mm_set1_epi32(units));
-    ordered = choose_lanes(_mm_cmpgt_epi32(ordered, most), most, ordered);
-    return choose_lanes(_mm_cmpgt_epi32(least, ordered), least, ordered);
+    __m128i bits = _mm_castps_si128(values);
+    return _mm_add_epi32(_mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1)), _mm_set1_epi32(units));
 }
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
@@ -160,6 +169,9 @@ static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
+    const __m128 farthest = _mm_castsi128_ps(_mm_set1_epi32(FARTHEST));
+    low = _mm_max_ps(low, _mm_xor_ps(farthest, _mm_set1_ps(-0.0f)));
+    high = _mm_min_ps(high, farthest);
     __m128i min = three_ordered(low, -units), max = three_ordered(high, units);
     __m128i old_min = load_bounds(now->min), old_max = load_bounds(now->max);
     store_lanes(fat->min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
@@ -208,14 +220,12 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     return m;
 }
 
-/* Encoded and moved by so many units, but never as a NaN. */
+/* Encoded and moved by so many units. A zero with a sign counts as one below the other. */
 static int32_t ordered_of(float value, int32_t units)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    int64_t ordered = (int64_t)ordered_from_float_bits(bits) + units;
-    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
-    return ordered > ORDERED_INF ? ORDERED_INF : (int32_t)ordered;
+    return (int32_t)(bits ^ (0u - (bits >> 31)) >> 1) + units;
 }
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
@@ -223,9 +233,12 @@ static int32_t ordered_of(float value, int32_t units)
 static void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m, float horizon,
                       float aside, int32_t units)
 {
+    const float farthest = float_from_bits(FARTHEST);
     for (int k = 0; k < 3; k++) {
-        int32_t min = ordered_of(m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside, -units);
-        int32_t max = ordered_of(m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside, units);
+        float low = m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside;
+        float high = m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside;
+        int32_t min = ordered_of(low > -farthest ? low : -farthest, -units);
+        int32_t max = ordered_of(high < farthest ? high : farthest, units);
         fat->min[k] = min < now->min[k] ? min : now->min[k];
         fat->max[k] = max > now->max[k] ? max : now->max[k];
     }
@@ -338,7 +351,6 @@ enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as 
  * stands still may tremble; and a step of floats that are far apart is soon made. */
 static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
-    enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
     if (g->config->margin >= 0) *fat = msap_bounds_widened(&b->now, g->config->margin);
     if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
@@ -348,7 +360,7 @@ static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct
     int came = has_changed(g->boxes, slot) && is_new(g->boxes, slot);
     float least = m.size * (float)(came ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
     if (!(m.size < FAR)) return;
-    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
+    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, UNITS_ASIDE);
 }
 
 /* Makes the skins of the boxes that are live in every step-th slot from `first` on; what others get means nothing.
