@@ -365,6 +365,10 @@ void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once
 
 /* -------------------------------------------------------------------- choosing */
 
+/* Whether skins that should cost so much in each commit promise enough to be gone into: that one commit takes long,
+ * and they may be left sooner than was foreseen. */
+static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
+
 /* While nothing is kept. */
 static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
 {
@@ -382,7 +386,7 @@ static enum way choose_untracked(struct grid *g, const struct job *job, const st
         if (g->commit + 1 - u->tried < TRIAL) return JUMP_OR_REBUILD;
         int64_t n = msap_trial_count(g), leaving = n * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
         int64_t upkeep = choose_horizon(g, job, n == 0 ? HORIZON_MOST : HORIZON_TRIAL);
-        if (upkeep + leaving < c->jump * 7 / 8) return JUMP_INTO_SKINS;
+        if (promises(upkeep + leaving, c->jump)) return JUMP_INTO_SKINS;
         u->not_before = g->commit + WAIT;
         return JUMP_OR_REBUILD;
     }
@@ -425,7 +429,7 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     if (!is_due) return TRACK;
     int is_stall = renewal > 2 * c->jump;
     int has_paid = cost < c->jump * age && (!is_stall || upkeep_in_steps(g, job, age) < c->jump);
-    if (u->is_first) has_paid = choose_horizon(g, job, HORIZON_MOST) < c->jump * 7 / 8;
+    if (u->is_first) has_paid = promises(choose_horizon(g, job, HORIZON_MOST), c->jump);
     else u->horizon = is_stall && age < IN_STEPS ? IN_STEPS : (uint32_t)age;
     u->is_first = 0;
     if (has_paid) u->wait = 0;
