@@ -240,29 +240,6 @@ static int change_over(struct grid *g, struct job *job)
            msap_layout_choose(g, job->memory, job->boxes, boxes);
 }
 
-/* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that
- * left, which is empty. */
-static void put_on(struct grid *g, struct box_table *t, int are_new)
-{
-    const struct renewal *r = &g->renewal;
-    for (uint32_t slot = 0; slot < t->used; slot++) {
-        struct box *b = &t->at[slot];
-        if (!(b->flags & BOX_LIVE)) {
-            box_forget_place(b);
-            continue;
-        }
-        if (b->level == NO_LEVEL) msap_skin_was_right(g, slot);
-        b->level = NO_LEVEL;
-        b->fat = r->is_told || b->flags & BOX_FITTED ? r->fat[slot] : b->now;
-        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) {
-            msap_skin_starts(g, slot, are_new);
-        } else {
-            if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
-            box_mark_left(t, slot);
-        }
-    }
-}
-
 /* What a renewal works in holds half as much as all else, and the first candidates took several times as much as
  * others do. But where skins do not last it is soon needed again. */
 static void give_back(struct grid *g, struct job *job)
@@ -291,7 +268,7 @@ static int install(struct grid *g, struct job *job)
     int are_new = !g->in_skins;
     g->moves += t->live;
     if (!change_over(g, job)) return 0;
-    put_on(g, t, are_new);
+    msap_skins_put_on(g, t, are_new);
     job->worker->pairs.n = 0; /* no candidate is dropped */
     int done = g->renewal.is_told ? msap_enter_all(g, job, t->left, t->n_left)
                                   : msap_place_all(g, job, t->left, t->n_left) &&

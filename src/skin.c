@@ -424,7 +424,7 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
 }
 
 /* A box has not left its skin before all get new ones: little by little the next ones are narrower. */
-void msap_skin_was_right(const struct grid *g, uint32_t slot)
+static inline void skin_was_right(const struct grid *g, uint32_t slot)
 {
     struct box *b = &g->boxes->at[slot];
     if (b->wobble > 0 && (spread(slot, g->commit) - 0.5f) * 2 * HORIZON_START < (float)g->upkeep.made_for)
@@ -434,10 +434,33 @@ void msap_skin_was_right(const struct grid *g, uint32_t slot)
 /* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that
  * is long ago or there was none, `is_new`: so one who crawls is known better and better. The first skins that a
  * world gets are good enough however soon they are left. */
-void msap_skin_starts(const struct grid *g, uint32_t slot, int is_new)
+static inline void skin_starts(const struct grid *g, uint32_t slot, int is_new)
 {
     enum { SHORT = 8, LONG_AGO = 24 };
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
     if (is_new || skin_age(b, g) > LONG_AGO) start(g, slot, 0);
+}
+
+/* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that
+ * left, which is empty. */
+void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new)
+{
+    const struct renewal *r = &g->renewal;
+    for (uint32_t slot = 0; slot < t->used; slot++) {
+        struct box *b = &t->at[slot];
+        if (!(b->flags & BOX_LIVE)) {
+            box_forget_place(b);
+            continue;
+        }
+        if (b->level == NO_LEVEL) skin_was_right(g, slot);
+        b->level = NO_LEVEL;
+        b->fat = r->is_told || b->flags & BOX_FITTED ? r->fat[slot] : b->now;
+        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) {
+            skin_starts(g, slot, are_new);
+        } else {
+            if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
+            box_mark_left(t, slot);
+        }
+    }
 }
