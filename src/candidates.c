@@ -54,8 +54,8 @@ static void touch_one(const struct grid *g, struct worker *w, size_t i)
     if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
 }
 
-/* Which of four candidates are not what they were, a bit each; all, if a box of them left. */
-static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint64_t *c)
+/* Which of four candidates are not what they were, a bit each; all, if a box of them left, where some did. */
+static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint64_t *c, int some_left)
 {
     const struct box *p0 = &boxes[c[0] >> 32], *q0 = &boxes[near_slot((uint32_t)c[0])];
     const struct box *p1 = &boxes[c[1] >> 32], *q1 = &boxes[near_slot((uint32_t)c[1])];
@@ -63,6 +63,7 @@ static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint6
     const struct box *p3 = &boxes[c[3] >> 32], *q3 = &boxes[near_slot((uint32_t)c[3])];
     uint32_t are = overlaps_of(gaps_of(&p0->now, &q0->now), gaps_of(&p1->now, &q1->now),
                                gaps_of(&p2->now, &q2->now), gaps_of(&p3->now, &q3->now));
+    if (!some_left) return are ^ marks_of_four(c);
     uint32_t flags = (uint32_t)(p0->flags | q0->flags | p1->flags | q1->flags) |
                      (uint32_t)(p2->flags | q2->flags | p3->flags | q3->flags);
     return flags & BOX_LEFT ? 15 : are ^ marks_of_four(c);
@@ -70,13 +71,14 @@ static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint6
 
 /* Settles candidates i ... end - 1; names those that changed and those with a box that left. Nearly all are as
  * they were: so they are looked at by fours. */
-static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, size_t i, size_t end, int fetches)
+static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, size_t i, size_t end, int fetches,
+                                     int some_left)
 {
     const struct box *boxes = g->boxes->at;
     const uint64_t *c = g->candidates.at;
     for (; end - i >= 4; i += 4) {
         for (size_t k = 0; fetches && k < 4; k++) fetch_ahead(g->boxes, c, i + k, end, 0);
-        uint32_t changed = changed_among(boxes, c + i);
+        uint32_t changed = changed_among(boxes, c + i, some_left);
         for (size_t k = i; changed > 0; k++, changed >>= 1)
             if (changed & 1) touch_one(g, w, k);
     }
@@ -89,8 +91,10 @@ static void touch(void *context, struct worker *w, size_t first, size_t last)
     const struct touching *t = context;
     size_t i = t->from + first, end = t->from + last;
     w->settler.touched += last - first;
-    if (t->grid->boxes->used > MANY_BOXES) touch_some(t->grid, w, i, end, 1);
-    else touch_some(t->grid, w, i, end, 0);
+    int some_left = t->grid->boxes->n_left > 0;
+    if (t->grid->boxes->used > MANY_BOXES) touch_some(t->grid, w, i, end, 1, 1);
+    else if (some_left) touch_some(t->grid, w, i, end, 0, 1);
+    else touch_some(t->grid, w, i, end, 0, 0);
 }
 
 /* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
