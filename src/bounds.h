@@ -4,8 +4,8 @@
  * SPDX-License-Identifier: MIT
  *
  * Each function stands here twice: for machines with SSE2, and in portable C. Both
- * give the same. The vectors have a fourth value that means nothing: what follows
- * the bounds in their struct is read along, and its result is left out. */
+ * give the same. The vectors have a fourth value: what follows the bounds in their
+ * struct is read along, and mostly its result is left out. */
 #ifndef MSAP_BOUNDS_H
 #define MSAP_BOUNDS_H
 
@@ -133,18 +133,21 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
     return none_above(load_bounds(a->min), load_bounds(b->max), load_bounds(b->min), load_bounds(a->max));
 }
 
-/* On which of the first three axes, and on the fourth by chance, bounds are apart. */
+/* On which of the first three axes bounds are apart; and on the fourth those whose min is above the word behind the
+ * other's max, where the word behind min is max. */
 static inline gaps gaps_of(const struct bounds *a, const struct bounds *b)
 {
     return _mm_or_si128(_mm_cmpgt_epi32(load_bounds(a->min), load_bounds(b->max)),
                         _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
 }
 
-/* Which of four pairs of bounds, with such gaps, overlap: a bit each. */
-static inline uint32_t overlaps_of(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3)
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which are apart on the fourth
+ * axis. */
+static inline uint32_t overlaps_and_fourth(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3, uint32_t *fourth)
 {
     lanes bytes = _mm_packs_epi16(_mm_packs_epi32(gaps0, gaps1), _mm_packs_epi32(gaps2, gaps3));
     lanes none = _mm_cmpeq_epi32(_mm_and_si128(bytes, _mm_set1_epi32(0xffffff)), _mm_setzero_si128());
+    *fourth = (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(bytes));
     return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(none));
 }
 
@@ -255,15 +258,16 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
 }
 
-typedef int gaps;
+typedef unsigned gaps;
 
-/* Whether bounds are apart. */
+/* Whether bounds are apart; there is room for another bit, as for a fourth axis. */
 static inline gaps gaps_of(const struct bounds *a, const struct bounds *b) { return !overlap(a, b); }
 
-/* Which of four pairs of bounds overlap: a bit each. */
-static inline uint32_t overlaps_of(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3)
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which have the other bit. */
+static inline uint32_t overlaps_and_fourth(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3, uint32_t *fourth)
 {
-    return (uint32_t)((!gaps0) | (!gaps1) << 1 | (!gaps2) << 2 | (!gaps3) << 3);
+    *fourth = gaps0 >> 1 | gaps1 >> 1 << 1 | gaps2 >> 1 << 2 | gaps3 >> 1 << 3;
+    return (~gaps0 & 1) | (~gaps1 & 1) << 1 | (~gaps2 & 1) << 2 | (~gaps3 & 1) << 3;
 }
 
 /* The upper bits of the lower halves of four. */
@@ -310,5 +314,12 @@ static inline int encode_within(lanes min, lanes max, const struct bounds *outer
 }
 
 #endif
+
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. */
+static inline uint32_t overlaps_of(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3)
+{
+    uint32_t fourth;
+    return overlaps_and_fourth(gaps0, gaps1, gaps2, gaps3, &fourth);
+}
 
 #endif

@@ -121,7 +121,8 @@ static uint32_t take_slot(struct box_table *t)
 /* The table has room. The slot comes to the ends of both lists. */
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data)
 {
-    static const struct box fresh = {.fat = EVERYWHERE, .level = NO_LEVEL, .horizon = HORIZON_FIRST, .wobble = 1};
+    static const struct box fresh = {
+        .left = LEFT, .fat = EVERYWHERE, .level = NO_LEVEL, .horizon = HORIZON_FIRST, .wobble = 1};
     static const struct bounds nowhere = NOWHERE;
     uint32_t slot = take_slot(t), is_static = flags & MSAP_STATIC ? BOX_STATIC : 0;
     struct box *b = &t->at[slot];
@@ -129,7 +130,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     *b = fresh;
     b->now = *bounds;
     b->generation = generation;
-    b->flags = (uint16_t)(BOX_LIVE | BOX_LEFT | is_static);
+    b->flags = (uint8_t)(BOX_LIVE | is_static);
     if (t->user_data) t->user_data[slot] = user_data;
     t->live++;
     t->live_static += is_static != 0;
@@ -148,6 +149,7 @@ void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, siz
         t->live--;
         t->live_static -= (t->at[slot].flags & BOX_STATIC) != 0;
         t->at[slot].flags = 0;
+        t->at[slot].left = STAYED;
         t->at[slot].changed_in = 0;
         if (slot >= used) t->used--;
         else queue_put_back(t, &t->free, slot);
@@ -179,7 +181,8 @@ void msap_boxes_committed(struct box_table *t)
     for (size_t i = 0; i < t->n_left; i++) {
         struct box *b = &t->at[t->left[i]];
         if (t->n_left - i > AHEAD) prefetch(&t->at[t->left[i + AHEAD]]);
-        b->flags &= ~(uint32_t)(BOX_LEFT | BOX_WAS);
+        b->left = STAYED;
+        b->flags &= ~(uint32_t)BOX_WAS;
         if (b->flags & BOX_LIVE) b->flags |= BOX_WAS;
     }
     t->n_changed = t->n_left = 0;

@@ -47,38 +47,29 @@ static void touch_one(const struct grid *g, struct worker *w, size_t i)
     uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i],
              b = near_slot(entry);
     const struct box *p = &boxes[a], *q = &boxes[b];
-    int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = (p->flags | q->flags) & BOX_LEFT;
+    int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = box_has_left(p) | box_has_left(q);
     if ((is == was) & !left) return;
     msap_worker_put(w, left ? i | VACANT : i);
     if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
     if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
 }
 
-/* Which of four candidates are not what they were, a bit each; all, if a box of them left, where some did. */
-static ALWAYS_INLINE uint32_t changed_among(const struct box *boxes, const uint64_t *c, int some_left)
+static ALWAYS_INLINE gaps gaps_at(const struct box *boxes, uint64_t c)
 {
-    const struct box *p0 = &boxes[c[0] >> 32], *q0 = &boxes[near_slot((uint32_t)c[0])];
-    const struct box *p1 = &boxes[c[1] >> 32], *q1 = &boxes[near_slot((uint32_t)c[1])];
-    const struct box *p2 = &boxes[c[2] >> 32], *q2 = &boxes[near_slot((uint32_t)c[2])];
-    const struct box *p3 = &boxes[c[3] >> 32], *q3 = &boxes[near_slot((uint32_t)c[3])];
-    uint32_t are = overlaps_of(gaps_of(&p0->now, &q0->now), gaps_of(&p1->now, &q1->now),
-                               gaps_of(&p2->now, &q2->now), gaps_of(&p3->now, &q3->now));
-    if (!some_left) return are ^ marks_of_four(c);
-    uint32_t flags = (uint32_t)(p0->flags | q0->flags | p1->flags | q1->flags) |
-                     (uint32_t)(p2->flags | q2->flags | p3->flags | q3->flags);
-    return flags & BOX_LEFT ? 15 : are ^ marks_of_four(c);
+    return gaps_of_boxes(&boxes[c >> 32], &boxes[near_slot((uint32_t)c)]);
 }
 
 /* Settles candidates i ... end - 1; names those that changed and those with a box that left. Nearly all are as
  * they were: so they are looked at by fours. */
-static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, size_t i, size_t end, int fetches,
-                                     int some_left)
+static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, size_t i, size_t end, int fetches)
 {
     const struct box *boxes = g->boxes->at;
     const uint64_t *c = g->candidates.at;
     for (; end - i >= 4; i += 4) {
         for (size_t k = 0; fetches && k < 4; k++) fetch_ahead(g->boxes, c, i + k, end, 0);
-        uint32_t changed = changed_among(boxes, c + i, some_left);
+        uint32_t left, are = overlaps_and_fourth(gaps_at(boxes, c[i]), gaps_at(boxes, c[i + 1]),
+                                                 gaps_at(boxes, c[i + 2]), gaps_at(boxes, c[i + 3]), &left);
+        uint32_t changed = left | (are ^ marks_of_four(c + i));
         for (size_t k = i; changed > 0; k++, changed >>= 1)
             if (changed & 1) touch_one(g, w, k);
     }
@@ -91,10 +82,8 @@ static void touch(void *context, struct worker *w, size_t first, size_t last)
     const struct touching *t = context;
     size_t i = t->from + first, end = t->from + last;
     w->settler.touched += last - first;
-    int some_left = t->grid->boxes->n_left > 0;
-    if (t->grid->boxes->used > MANY_BOXES) touch_some(t->grid, w, i, end, 1, 1);
-    else if (some_left) touch_some(t->grid, w, i, end, 0, 1);
-    else touch_some(t->grid, w, i, end, 0, 0);
+    if (t->grid->boxes->used > MANY_BOXES) touch_some(t->grid, w, i, end, 1);
+    else touch_some(t->grid, w, i, end, 0);
 }
 
 /* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
@@ -114,7 +103,7 @@ static void touch_untold(void *context, struct worker *w, size_t first, size_t l
             continue;
         }
         const struct box *p = &boxes->at[a], *q = &boxes->at[b];
-        int left = ((p->flags | q->flags) & BOX_LEFT) != 0, was = were_pair(boxes, a, b);
+        int left = box_has_left(p) | box_has_left(q), was = were_pair(boxes, a, b);
         int is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
         c[i] = (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
         if (left) msap_worker_put(w, i | VACANT);
@@ -161,7 +150,7 @@ struct asking_boxes {
 static inline int is_candidate(const struct box *boxes, uint32_t slot, uint32_t other)
 {
     const struct box *p = &boxes[slot], *q = &boxes[other];
-    int is_asked_by_other = (q->flags & BOX_LEFT) && other < slot;
+    int is_asked_by_other = box_has_left(q) && other < slot;
     return other != slot && !is_asked_by_other && overlap(&p->fat, &q->fat);
 }
 

@@ -471,7 +471,7 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
-        early += b->level != NO_LEVEL && skin_age(b, g) < HORIZON_MOST;
+        early += b->level != NO_LEVEL && skin_age(g, t->left[i]) < HORIZON_MOST;
     }
     int64_t moves = (int64_t)misplaced - leaving;
     if (g->in_skins) {

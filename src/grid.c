@@ -189,7 +189,7 @@ int msap_grid_move(struct grid *g, struct memory *m, uint32_t slot, int is_stati
         return enter(g, m, slot, is_static, to);
     }
     msap_grid_take(g, m, slot, is_static, from);
-    p->layout = (uint8_t)g->current;
+    p->layout = g->current & 1;
     p->level = (uint8_t)to->level;
     return msap_grid_put(g, m, slot, is_static, to);
 }

@@ -137,7 +137,6 @@ enum {
     BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
-    BOX_LEFT = 8,     /* it is on the list of those that left */
     BOX_FITTED = 128  /* it has, or has had, one of the skins to come (renew.c) */
 };
 
@@ -152,16 +151,30 @@ enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_SHORT = 3, HORIZON_TRIAL 
  * without BOX_LIVE and BOX_WAS is free or retired. */
 struct box {
     struct bounds now;   /* as last given; of one that is not BOX_LIVE, box_next */
+    int32_t left;        /* LEFT if it is on the list of those that left, else STAYED */
     struct bounds fat;   /* with its skin: what its cells know of it; all space where it is in none */
     uint32_t generation; /* low half of the handle; 0: retired */
     uint32_t changed_in; /* the table's epoch exactly if it is on the changed list */
-    uint16_t flags;
-    uint16_t since;  /* the commit in which it got its fat bounds, its lower half */
-    uint8_t level;   /* of the grid; or NO_LEVEL: not in it */
-    uint8_t horizon; /* for how many commits its skin was made */
-    uint8_t wobble;  /* how much of its reach the skin has on all sides, in eighths */
-    uint8_t layout;  /* of which its level is */
+    uint8_t flags;
+    uint8_t level;       /* of the grid; or NO_LEVEL: not in it */
+    uint8_t horizon;     /* for how many commits its skin was made */
+    unsigned wobble : 4; /* how much of its reach the skin has on all sides, in eighths */
+    unsigned layout : 4; /* of which its level is */
 };
+
+/* Below all bounds, and above all. */
+enum { LEFT = INT32_MIN, STAYED = INT32_MAX };
+static inline int box_has_left(const struct box *b) { return b->left == LEFT; }
+
+/* The gaps between boxes as they are now; on the fourth axis one that left is apart from all. */
+static ALWAYS_INLINE gaps gaps_of_boxes(const struct box *a, const struct box *b)
+{
+#if defined(__SSE2__)
+    return gaps_of(&a->now, &b->now); /* there a->now.max[0] is compared with b->left, and b's with a's */
+#else
+    return gaps_of(&a->now, &b->now) | (gaps)(box_has_left(a) | box_has_left(b)) << 1;
+#endif
+}
 
 /* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */
 enum { MANY_BOXES = 32768 };
@@ -192,7 +205,8 @@ struct slot_queue {
 /* Where the box of a slot was. */
 struct past {
     struct bounds before; /* of a box on the changed list: at the last successful commit; or NOWHERE */
-    uint16_t start[3];    /* of one in the grid: min when it got its skin, lower halves */
+    uint16_t start[3];    /* of one in the grid: min when it got its fat bounds, lower halves; */
+    uint16_t since;       /* and in which commit, its lower half */
 };
 
 struct box_table {
@@ -284,8 +298,8 @@ static inline void box_mark_changed(struct box_table *t, uint32_t slot)
 
 static inline void box_mark_left(struct box_table *t, uint32_t slot)
 {
-    if (t->at[slot].flags & BOX_LEFT) return;
-    t->at[slot].flags |= BOX_LEFT;
+    if (box_has_left(&t->at[slot])) return;
+    t->at[slot].left = LEFT;
     t->left[t->n_left++] = slot;
 }
 
@@ -822,7 +836,7 @@ struct row_sweep {
 struct row_question {
     int32_t min[3], max[3];     /* by axis of the rows */
     uint32_t lacks;             /* marks that what is taken has */
-    uint16_t flags;             /* and flags of its box */
+    uint8_t flags;              /* and flags of its box */
     uint32_t self;              /* the slot of the box that asks; or */
     const struct bounds *where; /* the same bounds */
 };
@@ -1014,22 +1028,22 @@ double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
 void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);
-int msap_skin_is_far_wider(const struct box *b, const struct grid *g);
+int msap_skin_is_far_wider(const struct grid *g, uint32_t slot);
 float msap_skin_lifetime(const struct grid *g, uint32_t slot);
 
 /* In commits; after very many it starts again. */
-static inline uint32_t skin_age(const struct box *b, const struct grid *g)
+static inline uint32_t skin_age(const struct grid *g, uint32_t slot)
 {
-    return (uint16_t)(g->commit - b->since);
+    return (uint16_t)(g->commit - g->boxes->past[slot].since);
 }
 
 /* Whether a skin is older than any is made for, as first ones are from the start. */
-static inline int skin_is_old(const struct box *b, const struct grid *g) { return skin_age(b, g) > HORIZON_MOST; }
+static inline int skin_is_old(const struct grid *g, uint32_t slot) { return skin_age(g, slot) > HORIZON_MOST; }
 
 /* Whether the box has shrunk so much in its skin that it needs a new one. */
-static inline int skin_is_baggy(const struct box *b, const struct grid *g)
+static inline int skin_is_baggy(const struct grid *g, uint32_t slot)
 {
-    return skin_is_old(b, g) && msap_skin_is_far_wider(b, g);
+    return skin_is_old(g, slot) && msap_skin_is_far_wider(g, slot);
 }
 
 /* --------------------------------------------------------- move.c, share.c */

@@ -32,10 +32,9 @@ struct jump {
 /* Which of four pairs overlapped before, a bit each. */
 static inline uint32_t known_among(const struct past *past, const uint32_t *a, const uint32_t *b)
 {
-    return overlaps_of(gaps_of(&past[a[0]].before, &past[b[0]].before),
-                       gaps_of(&past[a[1]].before, &past[b[1]].before),
-                       gaps_of(&past[a[2]].before, &past[b[2]].before),
-                       gaps_of(&past[a[3]].before, &past[b[3]].before));
+    return overlaps_of(
+        gaps_of(&past[a[0]].before, &past[b[0]].before), gaps_of(&past[a[1]].before, &past[b[1]].before),
+        gaps_of(&past[a[2]].before, &past[b[2]].before), gaps_of(&past[a[3]].before, &past[b[3]].before));
 }
 
 /* Settles pairs, of which nearly all are known: so they are looked at by fours. */

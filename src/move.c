@@ -79,7 +79,7 @@ static int enter(struct grid *g, const struct job *job, uint32_t slot, struct sp
 {
     struct box *b = &job->boxes->at[slot];
     spot_of(&g->layout[g->current], &b->fat, spot);
-    b->layout = (uint8_t)g->current;
+    b->layout = g->current & 1;
     b->level = (uint8_t)spot->level;
     return msap_grid_put(g, job->memory, slot, is_static(b), spot);
 }
@@ -124,7 +124,7 @@ int msap_place_all(struct grid *g, const struct job *job, const uint32_t *slot, 
 static int place_own(struct grid *g, const struct region *own, uint32_t slot, struct spot *spot)
 {
     struct box *b = &g->boxes->at[slot], before = *b;
-    uint16_t *start = g->boxes->past[slot].start, started[3] = {start[0], start[1], start[2]};
+    const struct past past = g->boxes->past[slot];
     const struct layout *l = &g->layout[g->current];
     if (b->level != 0) return 0;
     struct range from = range_of(l, &b->fat);
@@ -133,10 +133,9 @@ static int place_own(struct grid *g, const struct region *own, uint32_t slot, st
     spot_of(l, &b->fat, spot);
     if (may_place(g, own, from, spot)) return msap_grid_move(g, NULL, slot, is_static(b), from, spot);
     b->fat = before.fat;
-    b->since = before.since;
     b->horizon = before.horizon;
     b->wobble = before.wobble;
-    memcpy(start, started, sizeof started);
+    g->boxes->past[slot] = past;
     return 0;
 }
 

@@ -50,8 +50,8 @@ struct rebuild {
 static int needs_skin(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
-    if (!contains(&b->fat, &b->now) || skin_is_baggy(b, g)) return 1;
-    return skin_is_old(b, g) && box_is_changed(g->boxes, slot);
+    if (!contains(&b->fat, &b->now) || skin_is_baggy(g, slot)) return 1;
+    return skin_is_old(g, slot) && box_is_changed(g->boxes, slot);
 }
 
 /* Fits the skins of the boxes in slots first ... last - 1 and finds their cells. Boxes that
@@ -75,7 +75,7 @@ static void fit(void *context, struct worker *w, size_t first, size_t last)
         steps_of(r->layout, &b->fat, &spot);
         p->span = span_on(r->layout, &spot.base, spot.level);
         p->span.is_static = (b->flags & BOX_STATIC) != 0;
-        b->layout = (uint8_t)g->current;
+        b->layout = g->current & 1;
         b->level = (uint8_t)spot.level;
         memcpy(p->low, spot.rounded.low, sizeof p->low);
         memcpy(p->high, spot.rounded.high, sizeof p->high);

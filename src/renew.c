@@ -273,7 +273,7 @@ static int install(struct grid *g, struct job *job)
     int done = g->renewal.is_told ? msap_enter_all(g, job, t->left, t->n_left)
                                   : msap_place_all(g, job, t->left, t->n_left) &&
                                         msap_candidates_find(g, job, t->left, t->n_left);
-    for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].flags &= ~(uint32_t)BOX_LEFT;
+    for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].left = STAYED;
     t->n_left = 0;
     if (t->used > VERY_MANY_BOXES && !g->renewal.is_told) give_back(g, job);
     if (t->used <= VERY_MANY_BOXES && g->upkeep.is_first && g->renewal.is_told) take_ahead(g, job->memory);

@@ -63,7 +63,7 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)
 {
-    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint16_t)flags, .where = where};
+    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint8_t)flags, .where = where};
     size_t end = msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
     return end == SIZE_MAX ? SIZE_MAX : keep_resting(g, &q, w->found, n, end);
 }

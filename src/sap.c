@@ -133,7 +133,7 @@ static void rebuild(struct sap *s, const struct job *job)
                        msap_scratch_get(job->scratch, job->memory, SCRATCH_WORDS(t->used)));
     }
     for (uint32_t slot = 0; slot < t->used; slot++) {
-        uint16_t *flags = &t->at[slot].flags;
+        uint8_t *flags = &t->at[slot].flags;
         if (*flags & BOX_LIVE) *flags |= BOX_STORED | BOX_NEW;
         else *flags &= ~(uint32_t)BOX_STORED;
     }

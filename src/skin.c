@@ -71,7 +71,7 @@ enum { CRAWL = 4 /* units in the last place, that one who crawls comes in a comm
 static uint32_t crawl_time(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
-    uint32_t age = skin_age(b, g);
+    uint32_t age = skin_age(g, slot);
     return (b->level != NO_LEVEL || g->in_skins) && age > 1 && age < HORIZON_MOST ? age : 0;
 }
 
@@ -276,9 +276,10 @@ static void follow(struct box *b, const struct motion *m, float part)
  * many commits old. */
 static void start(const struct grid *g, uint32_t slot, uint32_t age)
 {
-    struct box *b = &g->boxes->at[slot];
-    b->since = (uint16_t)(g->commit - age);
-    for (int k = 0; k < 3; k++) g->boxes->past[slot].start[k] = (uint16_t)b->now.min[k];
+    const struct box *b = &g->boxes->at[slot];
+    struct past *past = &g->boxes->past[slot];
+    past->since = (uint16_t)(g->commit - age);
+    for (int k = 0; k < 3; k++) past->start[k] = (uint16_t)b->now.min[k];
 }
 
 /* Gives a box that has left its skin in this commit a new one. */
@@ -291,16 +292,17 @@ void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain)
         return;
     }
     struct motion m = motion_of(g, slot);
-    learn(b, skin_age(b, g), vain);
+    learn(b, skin_age(g, slot), vain);
     start(g, slot, 0);
     b->fat = b->now;
     follow(b, &m, spread(slot, g->commit));
 }
 
 /* Whether the fat bounds are far wider on every axis than any skin is made. */
-int msap_skin_is_far_wider(const struct box *b, const struct grid *g)
+int msap_skin_is_far_wider(const struct grid *g, uint32_t slot)
 {
     enum { FAR_WIDER = 8 };
+    const struct box *b = &g->boxes->at[slot];
     if (g->config->margin >= 0) return 0;
     for (uint32_t k = 0; k < g->config->dims; k++)
         if (!(value_of(b->fat.max[k]) - value_of(b->fat.min[k]) >
@@ -371,7 +373,7 @@ void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, siz
         struct box *b = &g->boxes->at[slot];
         fat[slot] = b->now;
         if (!(b->flags & BOX_LIVE)) continue;
-        if (b->flags & BOX_LEFT && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
+        if (box_has_left(b) && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
         skin_ahead(g, (uint32_t)slot, &fat[slot]);
         b->flags |= BOX_FITTED;
     }
@@ -417,7 +419,7 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
     const struct box *b = &g->boxes->at[slot];
     struct readable then = {.fourth = 0};
     if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || !has_changed(g->boxes, slot)) return 0;
-    if (skin_age(b, g) < SOON && has_crawled(g->boxes, slot)) return 0;
+    if (skin_age(g, slot) < SOON && has_crawled(g->boxes, slot)) return 0;
     struct motion m = motion_of(g, slot);
     reach_out(&b->now, &then.bounds, &m, (float)commits, 0, 0);
     return !contains(&b->fat, &then.bounds);
@@ -439,7 +441,7 @@ static inline void skin_starts(const struct grid *g, uint32_t slot, int is_new)
     enum { SHORT = 8, LONG_AGO = 24 };
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
-    if (is_new || skin_age(b, g) > LONG_AGO) start(g, slot, 0);
+    if (is_new || skin_age(g, slot) > LONG_AGO) start(g, slot, 0);
 }
 
 /* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that

@@ -42,7 +42,7 @@ static size_t mark_some_baggy(const struct grid *g, struct box_table *t, size_t 
     size_t n = 0;
     for (size_t i = first; i < t->n_changed; i += step) {
         const struct box *b = &t->at[t->changed[i]];
-        if (!(b->flags & BOX_LIVE) || b->level == NO_LEVEL || !skin_is_baggy(b, g)) continue;
+        if (!(b->flags & BOX_LIVE) || b->level == NO_LEVEL || !skin_is_baggy(g, t->changed[i])) continue;
         box_mark_left(t, t->changed[i]);
         n++;
     }

@@ -19,7 +19,7 @@ static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
     while (t->n_changed > n_changed) {
         uint32_t slot = t->changed[--t->n_changed];
         t->at[slot].now = t->past[slot].before;
-        t->at[slot].flags &= ~(uint32_t)BOX_LEFT;
+        t->at[slot].left = STAYED;
         t->at[slot].changed_in = 0;
     }
     t->n_left = n_left;

@@ -11,11 +11,12 @@ static const char *box_broken(const struct box_table *t, uint32_t slot)
     for (int k = 0; k < 3 && b->flags & BOX_LIVE; k++)
         if (b->now.min[k] > b->now.max[k] || ((b->flags & BOX_WAS) && before->min[k] > before->max[k]))
             return "a box is inverted";
-    if ((b->flags & (BOX_LIVE | BOX_LEFT)) == BOX_LIVE && !contains(&b->fat, &b->now))
+    if (b->flags & BOX_LIVE && !box_has_left(b) && !contains(&b->fat, &b->now))
         return "a box is outside its fat bounds, but is not on the list of those that left";
     if (b->flags & BOX_NEW) return "a box is still marked as new";
+    if (b->left != LEFT && b->left != STAYED) return "a box neither left nor stayed";
     if (box_is_changed(t, slot)) return NULL;
-    if (b->flags & BOX_LEFT) return "a box left, but is not changed";
+    if (box_has_left(b)) return "a box left, but is not changed";
     if (!(b->flags & (BOX_LIVE | BOX_WAS))) return b->flags & BOX_STORED ? "a free slot is stored" : NULL;
     if ((b->flags & (BOX_LIVE | BOX_WAS)) != (BOX_LIVE | BOX_WAS))
         return "a box came, went or is not stored, but is not changed";
@@ -41,7 +42,7 @@ static const char *boxes_broken(const struct box_table *t)
         live += (t->at[slot].flags & BOX_LIVE) != 0;
         live_static += (t->at[slot].flags & (BOX_LIVE | BOX_STATIC)) == (BOX_LIVE | BOX_STATIC);
         changed += (size_t)box_is_changed(t, slot);
-        left += (t->at[slot].flags & BOX_LEFT) != 0;
+        left += (size_t)box_has_left(&t->at[slot]);
     }
     if (live != t->live || live_static != t->live_static) return "the number of live boxes is wrong";
     if (changed != t->n_changed) return "the changed list has another length than there are changed boxes";
@@ -50,7 +51,7 @@ static const char *boxes_broken(const struct box_table *t)
         if (t->changed[i] >= t->used || !box_is_changed(t, t->changed[i]))
             return "the changed list names a box that is not changed";
     for (size_t i = 0; i < t->n_left; i++)
-        if (t->left[i] >= t->used || !(t->at[t->left[i]].flags & BOX_LEFT))
+        if (t->left[i] >= t->used || !box_has_left(&t->at[t->left[i]]))
             return "the list of those that left names a box that did not";
     const char *broken = queue_broken(t, &t->removed, BOX_REMOVED);
     return broken ? broken : queue_broken(t, &t->free, 0);

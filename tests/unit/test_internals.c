@@ -85,7 +85,8 @@ BREAK(before_inverted, SET(BEFORE(MIDDLE).min[1], BEFORE(MIDDLE).max[1] + 1))
 BREAK(marked_new, SET(BOX(LOW).flags, BOX(LOW).flags | BOX_NEW))
 BREAK(free_slot_stored, SET(BOX(FREED).flags, BOX_STORED))
 BREAK(not_marked, SET(BOX(LOW).fat.max[0], BOX(LOW).now.max[0] - 1))
-BREAK(left_unchanged, SET(BOX(LOW).flags, BOX(LOW).flags | BOX_LEFT))
+BREAK(left_unchanged, SET(BOX(LOW).left, LEFT))
+BREAK(left_by_half, SET(BOX(LOW).left, 0))
 BREAK(one_less_left, SET(w->boxes.n_left, w->boxes.n_left - 1))
 BREAK(stayed_in_left, SET(w->boxes.left[0], LOW))
 BREAK(nothing_in_left, SET(w->boxes.left[0], (uint32_t)w->boxes.used))
@@ -226,6 +227,7 @@ static const struct {
     {SINGLE_SAP, free_slot_stored, "a free slot is stored"},
     {SINGLE_SAP, not_marked, "a box is outside its fat bounds, but is not on the list of those that left"},
     {SINGLE_SAP, left_unchanged, "a box left, but is not changed"},
+    {SINGLE_SAP, left_by_half, "a box neither left nor stayed"},
     {SINGLE_SAP, one_less_left, "the list of those that left has another length than there are such boxes"},
     {SINGLE_SAP, stayed_in_left, "the list of those that left names a box that did not"},
     {SINGLE_SAP, nothing_in_left, "the list of those that left names a box that did not"},
