@@ -313,6 +313,32 @@ START_TEST(a_refused_batch_keeps_what_was_pending)
 }
 END_TEST
 
+/* A refused batch leaves the slots of boxes that went free, as they were, and those are given out next. */
+START_TEST(a_refused_batch_gives_slots_back)
+{
+    session s;
+    msap_handle handles[3];
+    box bounds[3] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}};
+    msap_boxes boxes = boxes_in_row(bounds);
+    int i;
+    right(session_open(&s, NULL, 1, SCENE_GRID));
+    for (i = 0; i < 3; i++)
+        right(session_add(&s, &bounds[i], 0, &handles[i]));
+    right(session_commit(&s));
+    right(session_remove(&s, handles[2]));
+    right(session_remove(&s, handles[0]));
+    right(session_commit(&s));
+    bounds[2].min[0] = 7; /* above its max, 1 */
+    refused(msap_add_many(s.world, 3, &boxes, NULL, NULL, handles), MSAP_ERROR_INVERTED);
+    right(session_compare(&s));
+    for (i = 0; i < 2; i++)
+        right(session_add(&s, &bounds[i], 0, &handles[i]));
+    right(session_commit(&s));
+    ck_assert_uint_eq(s.reference.pair_count, 3);
+    right(session_close(&s));
+}
+END_TEST
+
 /* flags and user_data are read per box. */
 START_TEST(flags_and_user_data_of_a_batch)
 {
@@ -347,6 +373,7 @@ int main(void)
     tcase_add_loop_test(tests, a_box_that_never_was, 0, SETUPS);
     tcase_add_test(tests, a_handle_twice_in_removals);
     tcase_add_test(tests, a_refused_batch_keeps_what_was_pending);
+    tcase_add_test(tests, a_refused_batch_gives_slots_back);
     tcase_add_test(tests, flags_and_user_data_of_a_batch);
     return run_case(tests, "batches");
 }

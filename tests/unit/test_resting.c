@@ -129,6 +129,28 @@ START_TEST(a_level_is_loaded_and_unloaded)
 }
 END_TEST
 
+/* Where a quarter of the boxes or more are new, the pairs of all are compared with those that are known, and are
+ * known in order from then on. Where fewer are, each pair is asked for what it was. */
+START_TEST(pairs_of_many_that_come_are_compared)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    put_some(&l, 400, 16);
+    put_some(&l, 200, 0); /* so many are not static that nothing rests */
+    step(&l);
+    const struct grid *g = &l.s.world->grid;
+    if (is_free(&l)) ck_assert(g->is_jumping && g->knows_pairs);
+    put_some(&l, 100, 4);
+    step(&l);
+    if (is_free(&l)) ck_assert(g->is_jumping && !g->knows_pairs);
+    for (uint32_t i = 0; i < 200; i++) take_away(&l, random_below(&l.s.random, l.n));
+    put_some(&l, 200, 4);
+    step(&l);
+    if (is_free(&l)) ck_assert(g->is_jumping && g->knows_pairs);
+    right(session_close(&l.s));
+}
+END_TEST
+
 /* All sorts of changes, at first of boxes that rest: of one or some or most in a commit. */
 static void change(loaded *l)
 {
@@ -523,6 +545,7 @@ int main(void)
     TCase *tests = tcase_create("resting");
     tcase_add_loop_test(tests, a_box_rests_until_it_moves, 0, SETUPS);
     tcase_add_loop_test(tests, a_level_is_loaded_and_unloaded, 0, SETUPS);
+    tcase_add_loop_test(tests, pairs_of_many_that_come_are_compared, 0, SETUPS);
     tcase_add_loop_test(tests, all_pairs_of_boxes_that_rest, 0, SETUPS);
     tcase_add_loop_test(tests, more_is_loaded, 0, SETUPS);
     tcase_add_loop_test(tests, wide_boxes_do_not_rest, 0, SETUPS);
