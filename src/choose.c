@@ -32,8 +32,8 @@
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
  * commit in which that is due, unless that should take more than twice as long as to prune all. When skins have
  * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
- * next time. Then some boxes get skins for a trial, and if few leave them, all do. When few boxes move, they
- * rest as they are.
+ * next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
+ * quarter, all do. When few boxes move, they rest as they are.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -365,8 +365,8 @@ void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once
 
 /* -------------------------------------------------------------------- choosing */
 
-/* Whether skins that should cost so much in each commit promise enough to be gone into: that one commit takes long,
- * and they may be left sooner than was foreseen. */
+/* Whether skins that should cost so much in each commit promise enough to be gone into: the commit in which all
+ * get them takes long, and they may be left sooner than was foreseen. */
 static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
 
 /* While nothing is kept. */
