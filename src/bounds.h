@@ -133,16 +133,16 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
     return none_above(load_bounds(a->min), load_bounds(b->max), load_bounds(b->min), load_bounds(a->max));
 }
 
-/* On which of the first three axes bounds are apart; and on the fourth those whose min is above the word behind the
- * other's max, where the word behind min is max. */
+/* On which of the first three axes bounds are apart; and on the fourth, whether the max of one is above the word
+ * behind the other's. */
 static inline gaps gaps_of(const struct bounds *a, const struct bounds *b)
 {
     return _mm_or_si128(_mm_cmpgt_epi32(load_bounds(a->min), load_bounds(b->max)),
                         _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
 }
 
-/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which are apart on the fourth
- * axis. */
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which are apart on the
+ * fourth axis. */
 static inline uint32_t overlaps_and_fourth(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3, uint32_t *fourth)
 {
     lanes bytes = _mm_packs_epi16(_mm_packs_epi32(gaps0, gaps1), _mm_packs_epi32(gaps2, gaps3));
