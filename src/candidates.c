@@ -40,18 +40,31 @@ struct touching {
     size_t from;
 };
 
-/* Settles a candidate that changed, or that a box of it left, and names it. */
-static void touch_one(const struct grid *g, struct worker *w, size_t i)
+/* Names and settles a candidate that is not what it was. */
+static inline void take_changed(struct worker *w, uint64_t candidate, size_t i)
 {
-    const struct box *boxes = g->boxes->at;
-    uint32_t a = (uint32_t)(g->candidates.at[i] >> 32), entry = (uint32_t)g->candidates.at[i],
-             b = near_slot(entry);
+    uint32_t a = (uint32_t)(candidate >> 32), entry = (uint32_t)candidate;
+    msap_worker_put(w, i);
+    msap_settle_change(&w->settler, pair_key(a, near_slot(entry)), !(entry & NEAR_PAIR));
+}
+
+/* The same of one that a box of it left, whatever it is: its place is vacant. */
+static void take_left(const struct box *boxes, struct worker *w, uint64_t candidate, size_t i)
+{
+    uint32_t a = (uint32_t)(candidate >> 32), entry = (uint32_t)candidate, b = near_slot(entry);
     const struct box *p = &boxes[a], *q = &boxes[b];
-    int is = overlap(&p->now, &q->now), was = (int)(entry >> 31), left = box_has_left(p) | box_has_left(q);
-    if ((is == was) & !left) return;
-    msap_worker_put(w, left ? i | VACANT : i);
-    if (left) is &= (p->flags & q->flags & BOX_LIVE) != 0;
-    if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
+    int is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
+    msap_worker_put(w, i | VACANT);
+    if (is != (int)(entry >> 31)) msap_settle_change(&w->settler, pair_key(a, b), is);
+}
+
+/* Names and settles a candidate that changed, or that a box of it left. */
+static void touch_one(const struct box *boxes, struct worker *w, uint64_t candidate, size_t i)
+{
+    uint32_t a = (uint32_t)(candidate >> 32), entry = (uint32_t)candidate, b = near_slot(entry);
+    const struct box *p = &boxes[a], *q = &boxes[b];
+    if (box_has_left(p) || box_has_left(q)) take_left(boxes, w, candidate, i);
+    else if (overlap(&p->now, &q->now) != (int)(entry >> 31)) take_changed(w, candidate, i);
 }
 
 static ALWAYS_INLINE gaps gaps_at(const struct box *boxes, uint64_t c)
@@ -70,10 +83,12 @@ static ALWAYS_INLINE void touch_some(const struct grid *g, struct worker *w, siz
         uint32_t left, are = overlaps_and_fourth(gaps_at(boxes, c[i]), gaps_at(boxes, c[i + 1]),
                                                  gaps_at(boxes, c[i + 2]), gaps_at(boxes, c[i + 3]), &left);
         uint32_t changed = left | (are ^ marks_of_four(c + i));
-        for (size_t k = i; changed > 0; k++, changed >>= 1)
-            if (changed & 1) touch_one(g, w, k);
+        for (size_t k = i; changed > 0; k++, changed >>= 1, left >>= 1) {
+            if (left & 1) take_left(boxes, w, c[k], k);
+            else if (changed & 1) take_changed(w, c[k], k);
+        }
     }
-    for (; i < end; i++) touch_one(g, w, i);
+    for (; i < end; i++) touch_one(boxes, w, c[i], i);
 }
 
 /* The same of first ... last - 1 from there on. */
