@@ -141,6 +141,13 @@ static inline gaps gaps_of(const struct bounds *a, const struct bounds *b)
                         _mm_cmpgt_epi32(load_bounds(b->min), load_bounds(a->max)));
 }
 
+/* Gaps that are told on the fourth axis. They have been. */
+static inline gaps gaps_and_fourth(gaps g, int fourth)
+{
+    (void)fourth;
+    return g;
+}
+
 /* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which are apart on the
  * fourth axis. */
 static inline uint32_t overlaps_and_fourth(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3, uint32_t *fourth)
@@ -260,10 +267,14 @@ static inline int overlap(const struct bounds *a, const struct bounds *b)
 
 typedef unsigned gaps;
 
-/* Whether bounds are apart; there is room for another bit, as for a fourth axis. */
+/* Whether bounds are apart. */
 static inline gaps gaps_of(const struct bounds *a, const struct bounds *b) { return !overlap(a, b); }
 
-/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which have the other bit. */
+/* Gaps that are told on the fourth axis: by another bit. */
+static inline gaps gaps_and_fourth(gaps g, int fourth) { return g | (gaps)fourth << 1; }
+
+/* Which of four pairs of bounds, with such gaps, overlap: a bit each. *fourth becomes which are apart on the
+ * fourth axis. */
 static inline uint32_t overlaps_and_fourth(gaps gaps0, gaps gaps1, gaps gaps2, gaps gaps3, uint32_t *fourth)
 {
     *fourth = gaps0 >> 1 | gaps1 >> 1 << 1 | gaps2 >> 1 << 2 | gaps3 >> 1 << 3;

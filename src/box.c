@@ -123,7 +123,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
 {
     static const struct box fresh = {
         .left = LEFT, .fat = EVERYWHERE, .level = NO_LEVEL, .horizon = HORIZON_FIRST, .wobble = 1};
-    static const struct bounds nowhere = NOWHERE;
+    static const struct past none = {.before = NOWHERE};
     uint32_t slot = take_slot(t), is_static = flags & MSAP_STATIC ? BOX_STATIC : 0;
     struct box *b = &t->at[slot];
     uint32_t generation = b->generation;
@@ -134,7 +134,7 @@ void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t fla
     if (t->user_data) t->user_data[slot] = user_data;
     t->live++;
     t->live_static += is_static != 0;
-    t->past[slot].before = nowhere;
+    t->past[slot] = none;
     box_list_changed(t, slot);
     t->left[t->n_left++] = slot;
 }

@@ -365,8 +365,8 @@ void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once
 
 /* -------------------------------------------------------------------- choosing */
 
-/* Whether skins that should cost so much in each commit promise enough to be gone into: the commit in which all
- * get them takes long, and they may be left sooner than was foreseen. */
+/* Whether skins that should cost so much in each commit promise enough for all to get them: the commit in which
+ * they do takes long, and skins may be left sooner than was foreseen. */
 static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
 
 /* While nothing is kept. */

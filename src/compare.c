@@ -3,11 +3,12 @@
  * SPDX-FileCopyrightText: 2026 the multisap authors
  * SPDX-License-Identifier: MIT
  *
- * Where all pairs are found anew in every commit (jump.c) and most of them are others than
- * before, to ask of each what it was costs more than to sort them all: the list of the
- * last commit's pairs and that of this one's, walked side by side, give the events, and
- * these are in order. No bounds are looked at. This is the pair manager of the paper's
- * chapter I.6 done in a batch; the list is kept for the next commit. */
+ * Where all pairs are found anew (jump.c) and many of them are others than before, as they
+ * are in every commit or since many boxes have come, to ask of each what it was costs more
+ * than to sort them all: the list of the last commit's pairs and that of this one's, walked
+ * side by side, give the events, and these are in order. No bounds are looked at. This is
+ * the pair manager of the paper's chapter I.6 done in a batch; the list is kept for the
+ * next commit. */
 #include "internal.h"
 
 /* Whether a quarter of the boxes or more were not there at the last commit: then nearly half of the pairs or more

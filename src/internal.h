@@ -166,14 +166,11 @@ struct box {
 enum { LEFT = INT32_MIN, STAYED = INT32_MAX };
 static inline int box_has_left(const struct box *b) { return b->left == LEFT; }
 
-/* The gaps between boxes as they are now; on the fourth axis one that left is apart from all. */
-static ALWAYS_INLINE gaps gaps_of_boxes(const struct box *a, const struct box *b)
+/* The gaps between boxes as they are now; on the fourth axis one that left is apart from all. (The word behind
+ * a->now.max is compared with b->now.max[0] there, and b's with a's.) */
+static inline gaps gaps_of_boxes(const struct box *a, const struct box *b)
 {
-#if defined(__SSE2__)
-    return gaps_of(&a->now, &b->now); /* there a->now.max[0] is compared with b->left, and b's with a's */
-#else
-    return gaps_of(&a->now, &b->now) | (gaps)(box_has_left(a) | box_has_left(b)) << 1;
-#endif
+    return gaps_and_fourth(gaps_of(&a->now, &b->now), box_has_left(a) | box_has_left(b));
 }
 
 /* From so many boxes on they outgrow caches: what is looked up is then fetched ahead of it. */

@@ -6,7 +6,7 @@
  * When most boxes leave their places in every commit, nothing that could be kept
  * between commits would be worth keeping. So no cells and lists are: all boxes are pruned
  * completely (paper I.4c). Then either the pairs found and those known from before are
- * settled, or, where most pairs are others each time, both are compared (compare.c).
+ * settled, or, where many pairs are others than before, both are compared (compare.c).
  *
  * In the same way boxes are pruned with skins that they just got (renew.c): then what is found are
  * candidates, which are kept, and those of them that are pairs are settled.
@@ -62,8 +62,8 @@ static inline gaps gaps_in(const struct box *box, const struct pair_buffer *take
     return gaps_of(&box[taken->a[i]].now, &box[taken->b[i]].now);
 }
 
-/* Settles those of the four candidates from the i-th on that are pairs, a bit each. Where there was no pair all of
- * them are new. */
+/* Settles those of the four candidates from the i-th on that are pairs, a bit each, and were none. Where there
+ * was no pair all of them are new. */
 static inline void settle_among(struct settler *s, const struct pair_buffer *taken, size_t i, uint32_t are,
                                 int had_pairs)
 {

@@ -57,6 +57,9 @@ static int has_changed(const struct box_table *t, uint32_t slot)
     return t->at[slot].changed_in == t->epoch - (t->n_changed == 0);
 }
 
+/* Whether it came then. */
+static int has_come(const struct box_table *t, uint32_t slot) { return has_changed(t, slot) && is_new(t, slot); }
+
 /* Where a box was before it did. One that was not there has not moved. */
 static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
 {
@@ -72,16 +75,9 @@ static uint32_t crawl_time(const struct grid *g, uint32_t slot)
 {
     const struct box *b = &g->boxes->at[slot];
     uint32_t age = skin_age(g, slot);
-    return (b->level != NO_LEVEL || g->in_skins) && age > 1 && age < HORIZON_MOST ? age : 0;
+    int has_skin = (b->level != NO_LEVEL || g->in_skins) && !has_come(g->boxes, slot);
+    return has_skin && age > 1 && age < HORIZON_MOST ? age : 0;
 }
-
-enum {
-    UNITS_ASIDE = 2 /* in the last place, that a skin is wider on each side, since such a step is soon made */
-};
-
-/* The bits of the float that a skin reaches to at the most: so many units behind it no NaN comes. If what it is to
- * reach to is a NaN, it reaches as far. (On integers it contains the box, even so.) */
-#define FARTHEST (ORDERED_INF - UNITS_ASIDE)
 
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
  * it crawls, by all since it got its skin. Infinite bounds make NaNs of what depends on them. */
@@ -154,11 +150,16 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     return m;
 }
 
-/* Encoded and moved by so many units. A zero with a sign counts as one below the other. */
+/* Encoded and moved by so many units, but never as a NaN, whatever a compiler thinks of these: so limits are
+ * those of integers. A zero with a sign counts as one below the other. */
 static inline __m128i three_ordered(__m128 values, int32_t units)
 {
+    const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
     __m128i bits = _mm_castps_si128(values);
-    return _mm_add_epi32(_mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1)), _mm_set1_epi32(units));
+    __m128i ordered = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
+    ordered = _mm_add_epi32(ordered, _mm_set1_epi32(units));
+    ordered = choose_lanes(_mm_cmpgt_epi32(ordered, most), most, ordered);
+    return choose_lanes(_mm_cmpgt_epi32(least, ordered), least, ordered);
 }
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
@@ -169,9 +170,6 @@ static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
-    const __m128 farthest = _mm_castsi128_ps(_mm_set1_epi32(FARTHEST));
-    low = _mm_max_ps(low, _mm_xor_ps(farthest, _mm_set1_ps(-0.0f)));
-    high = _mm_min_ps(high, farthest);
     __m128i min = three_ordered(low, -units), max = three_ordered(high, units);
     __m128i old_min = load_bounds(now->min), old_max = load_bounds(now->max);
     store_lanes(fat->min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
@@ -220,12 +218,14 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     return m;
 }
 
-/* Encoded and moved by so many units. A zero with a sign counts as one below the other. */
+/* Encoded and moved by so many units, but never as a NaN. A zero with a sign counts as one below the other. */
 static int32_t ordered_of(float value, int32_t units)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    return (int32_t)(bits ^ (0u - (bits >> 31)) >> 1) + units;
+    int64_t ordered = (int64_t)(int32_t)(bits ^ (0u - (bits >> 31)) >> 1) + units;
+    if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
+    return ordered > ORDERED_INF ? ORDERED_INF : (int32_t)ordered;
 }
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
@@ -233,12 +233,10 @@ static int32_t ordered_of(float value, int32_t units)
 static void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m, float horizon,
                       float aside, int32_t units)
 {
-    const float farthest = float_from_bits(FARTHEST);
     for (int k = 0; k < 3; k++) {
         float low = m->low[k] + (m->down[k] < 0 ? m->down[k] * horizon : 0) - aside;
         float high = m->high[k] + (m->up[k] > 0 ? m->up[k] * horizon : 0) + aside;
-        int32_t min = ordered_of(low > -farthest ? low : -farthest, -units);
-        int32_t max = ordered_of(high < farthest ? high : farthest, units);
+        int32_t min = ordered_of(low, -units), max = ordered_of(high, units);
         fat->min[k] = min < now->min[k] ? min : now->min[k];
         fat->max[k] = max > now->max[k] ? max : now->max[k];
     }
@@ -353,16 +351,16 @@ enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as 
  * stands still may tremble; and a step of floats that are far apart is soon made. */
 static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
 {
+    enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
     if (g->config->margin >= 0) *fat = msap_bounds_widened(&b->now, g->config->margin);
     if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
     struct motion m = motion_of(g, slot);
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
-    int came = has_changed(g->boxes, slot) && is_new(g->boxes, slot);
-    float least = m.size * (float)(came ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
+    float least = m.size * (float)(has_come(g->boxes, slot) ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
     if (!(m.size < FAR)) return;
-    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, UNITS_ASIDE);
+    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
 }
 
 /* Makes the skins of the boxes that are live in every step-th slot from `first` on; what others get means nothing.
@@ -434,14 +432,14 @@ static inline void skin_was_right(const struct grid *g, uint32_t slot)
 }
 
 /* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that
- * is long ago or there was none, `is_new`: so one who crawls is known better and better. The first skins that a
- * world gets are good enough however soon they are left. */
-static inline void skin_starts(const struct grid *g, uint32_t slot, int is_new)
+ * is long ago or there was none, as of all boxes if `are_new`: so one who crawls is known better and better. The
+ * first skins that a world gets are good enough however soon they are left. */
+static inline void skin_starts(const struct grid *g, uint32_t slot, int are_new)
 {
     enum { SHORT = 8, LONG_AGO = 24 };
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
-    if (is_new || skin_age(g, slot) > LONG_AGO) start(g, slot, 0);
+    if (are_new || has_come(g->boxes, slot) || skin_age(g, slot) > LONG_AGO) start(g, slot, 0);
 }
 
 /* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that
@@ -462,6 +460,7 @@ void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new)
             skin_starts(g, slot, are_new);
         } else {
             if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
+            if (r->is_told) start(g, slot, HORIZON_MOST);   /* it gets no other skin */
             box_mark_left(t, slot);
         }
     }

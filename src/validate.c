@@ -13,6 +13,9 @@ static const char *box_broken(const struct box_table *t, uint32_t slot)
             return "a box is inverted";
     if (b->flags & BOX_LIVE && !box_has_left(b) && !contains(&b->fat, &b->now))
         return "a box is outside its fat bounds, but is not on the list of those that left";
+    for (int k = 0; k < 3 && b->flags & BOX_LIVE; k++)
+        if (b->fat.min[k] < ORDERED_MINUS_INF || b->fat.max[k] > ORDERED_INF)
+            return "a box has fat bounds beyond infinity";
     if (b->flags & BOX_NEW) return "a box is still marked as new";
     if (b->left != LEFT && b->left != STAYED) return "a box neither left nor stayed";
     if (box_is_changed(t, slot)) return NULL;

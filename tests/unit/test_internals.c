@@ -87,6 +87,8 @@ BREAK(free_slot_stored, SET(BOX(FREED).flags, BOX_STORED))
 BREAK(not_marked, SET(BOX(LOW).fat.max[0], BOX(LOW).now.max[0] - 1))
 BREAK(left_unchanged, SET(BOX(LOW).left, LEFT))
 BREAK(left_by_half, SET(BOX(LOW).left, 0))
+BREAK(fat_below_infinity, SET(BOX(LOW).fat.min[1], ORDERED_MINUS_INF - 1))
+BREAK(fat_above_infinity, SET(BOX(LOW).fat.max[2], ORDERED_INF + 1))
 BREAK(one_less_left, SET(w->boxes.n_left, w->boxes.n_left - 1))
 BREAK(stayed_in_left, SET(w->boxes.left[0], LOW))
 BREAK(nothing_in_left, SET(w->boxes.left[0], (uint32_t)w->boxes.used))
@@ -228,6 +230,8 @@ static const struct {
     {SINGLE_SAP, not_marked, "a box is outside its fat bounds, but is not on the list of those that left"},
     {SINGLE_SAP, left_unchanged, "a box left, but is not changed"},
     {SINGLE_SAP, left_by_half, "a box neither left nor stayed"},
+    {SINGLE_SAP, fat_below_infinity, "a box has fat bounds beyond infinity"},
+    {SINGLE_SAP, fat_above_infinity, "a box has fat bounds beyond infinity"},
     {SINGLE_SAP, one_less_left, "the list of those that left has another length than there are such boxes"},
     {SINGLE_SAP, stayed_in_left, "the list of those that left names a box that did not"},
     {SINGLE_SAP, nothing_in_left, "the list of those that left names a box that did not"},

@@ -726,6 +726,24 @@ START_TEST(no_box_is_asked_about_skins)
 }
 END_TEST
 
+/* A skin reaches to infinity at the most, of boxes in the last places before it, too. */
+START_TEST(skins_end_at_infinity)
+{
+    enum { FARTHEST_OUT = 0x7f7fffff };
+    float most;
+    uint32_t bits = FARTHEST_OUT;
+    walkers w;
+    memcpy(&most, &bits, sizeof most);
+    open_walk(&w, _i, 3, 26);
+    put_some(&w, 320, 0.02f, 2);
+    put(&w, box_of(most, most, most, most, most, most), 0, 0);
+    put(&w, box_of(-most, -most, -most, -most, -most, -most), 0, 0);
+    put(&w, box_of(0, -most, 0, 1, most, 1), 0, 0);
+    walk_on(&w, 60);
+    right(session_close(&w.s));
+}
+END_TEST
+
 /* Boxes that move by next to nothing and leave their margins all the same: how far motion is thought to deceive has
  * a limit. */
 START_TEST(motion_says_next_to_nothing)
@@ -807,11 +825,12 @@ static void junk_free(void *user, void *memory, size_t bytes)
     free(memory);
 }
 
-/* Boxes jump about, more come, then all walk but for a few, which jump. Gives what each commit looked at. */
+/* Boxes jump about, some of them wide, more come, then all walk but for a few, which jump, and still more come. Gives
+ * what each commit looked at. */
 static void jump_and_walk(uint64_t seed, uint16_t junk, uint64_t touched[60], uint64_t candidates[60])
 {
-    static box bounds[400];
-    static msap_handle names[400];
+    static box bounds[430];
+    static msap_handle names[430];
     const uint32_t size[3] = {16, 12, 8};
     msap_config config = config_of(3, DEFAULT);
     walkers w;
@@ -820,11 +839,14 @@ static void jump_and_walk(uint64_t seed, uint16_t junk, uint64_t touched[60], ui
     config.alloc = junk_alloc;
     config.free = junk_free;
     config.allocator_user = &junk;
+    memset(names, 0, sizeof names);
     ok(msap_create(&config, &world));
     for (int frame = 0; frame < 60; frame++) {
-        for (uint32_t i = 0; i < (frame < 4 ? 330u : 400u); i++) {
-            int is_new = frame == 0 || (frame == 4 && i >= 330), jumps = frame < 8 || random_below(&w.s.random, 50) == 0;
+        uint32_t n = frame < 4 ? 330 : frame < 20 ? 400 : 400 + (uint32_t)(frame - 19) / 2;
+        for (uint32_t i = 0; i < n; i++) {
+            int is_new = names[i] == MSAP_NULL_HANDLE, jumps = frame < 8 || random_below(&w.s.random, 50) == 0;
             if (is_new || jumps) bounds[i] = in_block(&w, size);
+            if (i < 3) bounds[i].max[0] = bounds[i].max[1] = bounds[i].max[2] = 99;
             for (int k = 0; k < 3 && !jumps; k++) {
                 bounds[i].min[k] += 0.01f * (float)((int)i % (3 + k) - 1);
                 bounds[i].max[k] += 0.01f * (float)((int)i % (3 + k) - 1);
@@ -936,6 +958,7 @@ int main(void)
     tcase_add_test(tests, few_are_left);
     tcase_add_test(tests, skins_that_have_not_paid);
     tcase_add_test(tests, no_box_is_asked_about_skins);
+    tcase_add_loop_test(tests, skins_end_at_infinity, 0, SETUPS);
     tcase_add_test(tests, motion_says_next_to_nothing);
     tcase_add_loop_test(tests, boxes_crawl, 0, SETUPS);
     tcase_add_test(tests, all_is_tried_again);
