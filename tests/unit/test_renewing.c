@@ -739,7 +739,7 @@ START_TEST(skins_end_at_infinity)
     put(&w, box_of(most, most, most, most, most, most), 0, 0);
     put(&w, box_of(-most, -most, -most, -most, -most, -most), 0, 0);
     put(&w, box_of(0, -most, 0, 1, most, 1), 0, 0);
-    walk_on(&w, 60);
+    walk_on(&w, 30);
     right(session_close(&w.s));
 }
 END_TEST

@@ -135,16 +135,16 @@ START_TEST(pairs_of_many_that_come_are_compared)
 {
     loaded l;
     open_level(&l, _i, 3, SCENE_GRID);
-    put_some(&l, 400, 16);
-    put_some(&l, 200, 0); /* so many are not static that nothing rests */
+    put_some(&l, 160, 16);
+    put_some(&l, 80, 0); /* so many are not static that nothing rests */
     step(&l);
     const struct grid *g = &l.s.world->grid;
     if (is_free(&l)) ck_assert(g->is_jumping && g->knows_pairs);
-    put_some(&l, 100, 4);
+    put_some(&l, 40, 4);
     step(&l);
     if (is_free(&l)) ck_assert(g->is_jumping && !g->knows_pairs);
-    for (uint32_t i = 0; i < 200; i++) take_away(&l, random_below(&l.s.random, l.n));
-    put_some(&l, 200, 4);
+    for (uint32_t i = 0; i < 80; i++) take_away(&l, random_below(&l.s.random, l.n));
+    put_some(&l, 80, 4);
     step(&l);
     if (is_free(&l)) ck_assert(g->is_jumping && g->knows_pairs);
     right(session_close(&l.s));
