@@ -291,6 +291,16 @@ START_TEST(a_handle_twice_in_removals)
 }
 END_TEST
 
+/* Opens a session in which three boxes were committed. */
+static void open_with(session *s, const box bounds[3], msap_handle handles[3])
+{
+    int i;
+    right(session_open(s, NULL, 1, SCENE_GRID));
+    for (i = 0; i < 3; i++)
+        right(session_add(s, &bounds[i], 0, &handles[i]));
+    right(session_commit(s));
+}
+
 /* A refused batch after pending updates leaves those as they were. */
 START_TEST(a_refused_batch_keeps_what_was_pending)
 {
@@ -298,11 +308,7 @@ START_TEST(a_refused_batch_keeps_what_was_pending)
     msap_handle handles[3];
     box bounds[3] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}}, far = cube(8, 9);
     msap_boxes boxes = boxes_in_row(bounds);
-    int i;
-    right(session_open(&s, NULL, 1, SCENE_GRID));
-    for (i = 0; i < 3; i++)
-        right(session_add(&s, &bounds[i], 0, &handles[i]));
-    right(session_commit(&s));
+    open_with(&s, bounds, handles);
     right(session_update(&s, handles[0], &far));
     bounds[2].min[0] = 7; /* above its max, 1 */
     refused(msap_update_many(s.world, 3, handles, &boxes), MSAP_ERROR_INVERTED);
@@ -321,10 +327,7 @@ START_TEST(a_refused_batch_gives_slots_back)
     box bounds[3] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}};
     msap_boxes boxes = boxes_in_row(bounds);
     int i;
-    right(session_open(&s, NULL, 1, SCENE_GRID));
-    for (i = 0; i < 3; i++)
-        right(session_add(&s, &bounds[i], 0, &handles[i]));
-    right(session_commit(&s));
+    open_with(&s, bounds, handles);
     right(session_remove(&s, handles[2]));
     right(session_remove(&s, handles[0]));
     right(session_commit(&s));
