@@ -32,9 +32,10 @@ static uint32_t finest_axis(const struct spread s[3])
 }
 
 /* Rows are half as wide again as most boxes or more, and wider while a sweep would meet only few
- * boxes at a time. */
+ * boxes at a time. Few boxes are all in one: to go through many takes longer than to sweep it. */
 static void choose_rows(struct pruning *p, uint32_t commit)
 {
+    enum { IN_ONE_ROW = 320 };
     struct rows *r = p->rows;
     struct spread s[3];
     double active = (double)p->job->boxes->live;
@@ -51,7 +52,8 @@ static void choose_rows(struct pruning *p, uint32_t commit)
         ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
-        double cells = across->exponent > WIDEST_CELL ? 1 : msap_cells_on(across);
+        int is_one = across->exponent > WIDEST_CELL || p->job->boxes->live <= IN_ONE_ROW;
+        double cells = is_one ? 1 : msap_cells_on(across);
         r->count[k] = cells > 1 ? msap_count_for(cells < LEAST_COUNT ? LEAST_COUNT : cells) : 1;
         r->scale[k] = r->count[k] == 1 ? 0 : (float)msap_power_of_two(-across->exponent);
     }

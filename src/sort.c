@@ -6,7 +6,7 @@
  * A radix sort, lowest digit first, over the upper of the bits in which the keys differ:
  * of n keys that are spread over their range, log2 n bits and a few more tell nearly all
  * apart. What is then still out of order is inserted; where that is much, the keys are
- * not spread so, and all bits are sorted by. Few keys are sorted by insertion alone.
+ * not spread so, and all bits are sorted by or, of some hundred keys, a heap. Few keys are sorted by insertion alone.
  * The bits of floats are not spread even where the floats are: half of all patterns are for
  * what lies between -1 and 1. So values are sorted by their steps along a line.
  * Without scratch memory a heap sort does the same in place, more slowly, so that no sort
@@ -182,6 +182,14 @@ static void radix_sort(uint64_t *key, size_t n, uint64_t *scratch, unsigned low,
 
 enum { FEW = 32, PLACES = 2 /* for a key, that others move when it is inserted */ };
 
+/* Sorts so many keys that are not spread over their range. */
+static void sort_lumped(uint64_t *key, size_t n, uint64_t *scratch, struct difference d)
+{
+    enum { NOT_WORTH_ALL_BITS = 512 };
+    if (n <= NOT_WORTH_ALL_BITS) heap_sort(key, n);
+    else radix_sort(key, n, scratch, d.low, d.low + d.high, d.low + d.high);
+}
+
 /* Sorts key[n] upwards, n below 2^32. scratch has room for n keys, or is NULL. */
 void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
 {
@@ -192,7 +200,7 @@ void msap_sort_keys(uint64_t *key, size_t n, uint64_t *scratch)
         struct difference d = difference_of(key, n);
         unsigned all = d.low + d.high, enough = bits_in((uint32_t)n) + MORE_BITS;
         radix_sort(key, n, scratch, d.low, all, all < enough ? all : enough);
-        if (!insertion_sort(key, n, PLACES * n)) radix_sort(key, n, scratch, d.low, all, all);
+        if (!insertion_sort(key, n, PLACES * n)) sort_lumped(key, n, scratch, d);
     }
 }
 
