@@ -30,7 +30,7 @@
  * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
  * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
- * commit in which that is due, unless that should take more than twice as long as to prune all. When skins have
+ * commit in which that is due, unless that should take more than two and a half times as long as to prune all. When skins have
  * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
  * next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
  * quarter, all do. When few boxes move, they rest as they are.
@@ -42,20 +42,23 @@
 #include "internal.h"
 
 enum {
-    TRACK_MOVE = 240,       /* a box that is put elsewhere, */
+    TRACK_MOVE = 360,       /* a box that is put elsewhere, */
     TRACK_NEIGHBOUR = 10,   /* and each of its neighbours, */
     TRACK_SEARCH = 8,       /* and, of so many, each in the list of each other */
     TRACK_LEAVE = 90,       /* a box that leaves */
-    STRAY_MOVE = 220,       /* a box in a skin that is put elsewhere, */
-    STRAY_CANDIDATE = 12,   /* and each of its candidates */
-    JUMP_BOX = 21,          /* a box when all are pruned, */
+    STRAY_MOVE = 360,       /* a box in a skin that is put elsewhere, */
+    STRAY_CANDIDATE = 10,   /* and each of its candidates */
+    JUMP_BOX = 16,          /* a box when all are pruned, */
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
-    JUMP_PAIR = 4,          /* and a pair */
+    JUMP_PAIR = 5,          /* and a pair */
+    RESTLESS_BOX = 60,      /* a box that is pruned while others are not, */
+    KNOWN_PAIR = 1,         /* and a known pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
-    CANDIDATE = 1,          /* a candidate, */
-    RENEW_BOX = 40,         /* a box when all get new skins, */
-    RENEW_CANDIDATE = 4     /* and a candidate */
+    SKIN_BOX = 2,           /* a box while it is in its skin, */
+    CANDIDATE = 1,          /* and a candidate */
+    RENEW_BOX = 48,         /* a box when all get new skins, */
+    RENEW_CANDIDATE = 3     /* and a candidate */
 };
 
 /* On recorded scenes neighbours are one and a half to five times as many as pairs, mostly twice. */
@@ -104,6 +107,35 @@ static struct costs costs_of(const struct grid *g, const struct job *job)
     struct costs c = {0, boxes * jump_box + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
+}
+
+/* Whether what should cost so much in each commit, instead of to prune all, promises enough to begin with it: that
+ * takes a commit which is dear, and foresight is no more than that. */
+static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
+
+/* What it costs to prune so many boxes and no others. */
+static int64_t cost_of_restless(const struct job *job, size_t n)
+{
+    return (int64_t)n * RESTLESS_BOX + (int64_t)job->pairs->active * KNOWN_PAIR;
+}
+
+/* Whether few boxes change, and to prune them alone should be worth it. */
+static int are_few(const struct job *job, const struct costs *c)
+{
+    return promises(cost_of_restless(job, job->boxes->n_changed), c->jump);
+}
+
+/* Whether nearly the same boxes change in each commit, as far as is known. */
+static int are_same(const struct grid *g, const struct job *job)
+{
+    enum { SHARE = 8 };
+    return g->restless.newcomers <= job->boxes->n_changed / SHARE;
+}
+
+/* What it costs to prune what must be: all or, where the same few change again and again, them. */
+static int64_t cost_of_pruning(const struct grid *g, const struct job *job, const struct costs *c)
+{
+    return are_few(job, c) && are_same(g, job) ? cost_of_restless(job, job->boxes->n_changed) : c->jump;
 }
 
 /* ------------------------------------------------------------------ foresight */
@@ -181,7 +213,11 @@ static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
     return cost_at_once(job, candidates) * dearness(job->boxes->live) / ONE;
 }
 
-static int64_t cost_of_candidates(int64_t n) { return n * CANDIDATE; }
+/* What a commit costs in which no box leaves its skin. */
+static int64_t cost_in_skins(const struct job *job, int64_t candidates)
+{
+    return SKIN_BOX * (int64_t)job->boxes->live + CANDIDATE * candidates;
+}
 
 /* Whether skins may ever be renewed together. Few boxes are not worth it. */
 static int can_renew(const struct grid *g, const struct job *job)
@@ -243,7 +279,7 @@ static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, uint
     struct foresight f = foresee(g, horizon);
     int64_t commits = (int64_t)horizon - renewal_steps(job, horizon);
     int64_t candidates = (int64_t)((double)job->pairs->active * f.growth);
-    return cost_of_candidates(candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+    return cost_in_skins(job, candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
            (int64_t)(f.leaving * (double)job->boxes->live * (double)cost_of_stray(job, candidates));
 }
 
@@ -332,7 +368,7 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
     int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;
     if (!is_over && next * age <= renewal + u->spent) return 0;
     if (is_over && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
-    int64_t life = age + steps, tests = cost_of_candidates((int64_t)g->candidates.n);
+    int64_t life = age + steps, tests = cost_in_skins(job, (int64_t)g->candidates.n);
     int has_paid = renewal + u->spent + tests * life < costs_of(g, job).jump * life;
     if (!has_paid) msap_renewal_failed(g);
     return has_paid;
@@ -365,35 +401,61 @@ void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once
 
 /* -------------------------------------------------------------------- choosing */
 
-/* Whether skins that should cost so much in each commit promise enough for all to get them: the commit in which
- * they do takes long, and skins may be left sooner than was foreseen. */
-static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
+/* While nothing is kept: whether to track boxes would have saved more by now than it costs to begin. */
+static int would_have_paid(struct grid *g, const struct job *job, const struct costs *c, int64_t beginning)
+{
+    g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
+    g->gain += cost_of_pruning(g, job, c) - foreseen_cost(g, job);
+    if (g->gain < 0) g->gain = 0;
+    return g->gain > beginning;
+}
+
+/* While nothing is kept, and skins may be renewed: some boxes are tried. */
+static enum way try_or_jump(struct grid *g, const struct job *job, const struct costs *c)
+{
+    enum { WAIT = 8, TRIAL = 3 };
+    struct upkeep *u = &g->upkeep;
+    if (u->tried == 0 || g->commit - u->tried > TRIAL) {
+        u->tried = g->commit + 1;
+        g->renewal.next = TRY_SKINS;
+    }
+    if (g->commit + 1 - u->tried < TRIAL) return JUMP_OR_REBUILD;
+    int64_t n = msap_trial_count(g), leaving = n * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
+    int64_t upkeep = choose_horizon(g, job, n == 0 ? HORIZON_MOST : HORIZON_TRIAL);
+    if (promises(upkeep + leaving, c->jump)) return JUMP_INTO_SKINS;
+    u->not_before = g->commit + WAIT;
+    return JUMP_OR_REBUILD;
+}
+
+/* While nothing is kept: whether only the restless boxes are pruned. Those of them that stand still by now are
+ * pruned in vain. When they have cost as much as to prune all, that is done: again one who rents or buys. */
+static enum way prune(const struct grid *g, const struct job *job, const struct costs *c)
+{
+    const struct restless *r = &g->restless;
+    int64_t now = cost_of_restless(job, r->order.n), idle = (int64_t)r->idle * RESTLESS_BOX;
+    int may = are_few(job, c) && (are_same(g, job) || r->newcomers == SIZE_MAX);
+    return may && now + idle < c->jump ? PRUNE_RESTLESS : JUMP_OR_REBUILD;
+}
+
+/* While nothing is kept, and few boxes move: they rest if, even should all be put elsewhere once, it takes less
+ * than to prune all, or when it would have paid. All are pruned before. */
+static enum way rest_or_prune(struct grid *g, const struct job *job, const struct costs *c)
+{
+    int64_t all_leave = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0);
+    int will_rest = would_have_paid(g, job, c, all_leave < c->jump ? 0 : all_leave);
+    if (!will_rest) return prune(g, job, c);
+    return g->restless.order.n == 0 ? REST : JUMP_OR_REBUILD;
+}
 
 /* While nothing is kept. */
 static enum way choose_untracked(struct grid *g, const struct job *job, const struct costs *c)
 {
-    enum { WAIT = 8, TRIAL = 3 };
-    struct upkeep *u = &g->upkeep;
-    if (cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump) return REST;
-    u->is_first = 0;
-    if (can_renew(g, job)) {
-        g->gain = 0;
-        if (!may_renew(g, job) || !do_many_move(job->boxes)) return JUMP_OR_REBUILD;
-        if (u->tried == 0 || g->commit - u->tried > TRIAL) {
-            u->tried = g->commit + 1;
-            g->renewal.next = TRY_SKINS;
-        }
-        if (g->commit + 1 - u->tried < TRIAL) return JUMP_OR_REBUILD;
-        int64_t n = msap_trial_count(g), leaving = n * cost_of_stray(job, (int64_t)job->pairs->active) / TRIAL;
-        int64_t upkeep = choose_horizon(g, job, n == 0 ? HORIZON_MOST : HORIZON_TRIAL);
-        if (promises(upkeep + leaving, c->jump)) return JUMP_INTO_SKINS;
-        u->not_before = g->commit + WAIT;
-        return JUMP_OR_REBUILD;
-    }
-    g->doubt -= (g->doubt + FORGETTING - 1) / FORGETTING;
-    g->gain += c->jump - foreseen_cost(g, job);
-    if (g->gain < 0) g->gain = 0;
-    return g->gain > c->rebuild ? REBUILD : JUMP_OR_REBUILD;
+    int is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
+    if (is_quiet || (can_renew(g, job) && !do_many_move(job->boxes))) return rest_or_prune(g, job, c);
+    g->upkeep.is_first = 0;
+    if (!can_renew(g, job)) return would_have_paid(g, job, c, c->rebuild) ? REBUILD : JUMP_OR_REBUILD;
+    g->gain = 0;
+    return may_renew(g, job) ? try_or_jump(g, job, c) : JUMP_OR_REBUILD;
 }
 
 /* What a commit would cost with skins for so many more commits that they are renewed in steps, if the
@@ -403,7 +465,7 @@ static int64_t upkeep_in_steps(const struct grid *g, const struct job *job, int6
     int64_t pairs = (int64_t)job->pairs->active, vain = (int64_t)g->candidates.n - pairs;
     int64_t n = commits < IN_STEPS ? pairs + vain * IN_STEPS / commits : pairs + vain;
     int64_t left = IN_STEPS - renewal_steps(job, IN_STEPS);
-    return cost_of_candidates(n) + cost_of_renewal(job, n) / (left < 1 ? 1 : left);
+    return cost_in_skins(job, n) + cost_of_renewal(job, n) / (left < 1 ? 1 : left);
 }
 
 /* While boxes rest in their skins. All get new ones in this commit if the present ones have come to cost more in
@@ -420,14 +482,14 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     if (g->quiet > (u->is_first ? 0 : LONG) && are_all_live) return REST;
     if (g->commit < u->not_before) return JUMP_OR_REBUILD;
     int64_t age = g->commit + 1 - u->since; /* this is the age-th commit with them */
-    int64_t tests = cost_of_candidates((int64_t)g->candidates.n), moves = c->track - tests;
+    int64_t tests = cost_in_skins(job, (int64_t)g->candidates.n), moves = c->track - tests;
     int64_t renewal = cost_at_once(job, (int64_t)g->candidates.n);
     int64_t cost = renewal + u->spent - moves + tests * (age - 1);
     int is_short = !is_in_steps(u->is_first ? u->horizon : u->made_for);
     int is_due =
         is_short ? c->track > c->jump || c->track * age > cost : c->track > renewal || u->lately + tests > c->jump;
     if (!is_due) return TRACK;
-    int is_stall = renewal > 2 * c->jump;
+    int is_stall = 2 * renewal > 5 * c->jump;
     int has_paid = cost < c->jump * age && (!is_stall || upkeep_in_steps(g, job, age) < c->jump);
     if (u->is_first) has_paid = promises(choose_horizon(g, job, HORIZON_MOST), c->jump);
     else u->horizon = is_stall && age < IN_STEPS ? IN_STEPS : (uint32_t)age;
@@ -441,15 +503,16 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
  * if lists do not pay because of others, that will pass. */
 static enum way choose_tracked(struct grid *g, const struct job *job, const struct costs *c, int64_t early)
 {
+    int64_t pruning = cost_of_pruning(g, job, c);
     int has_paid = g->gain > 0, is_upheaval = c->track > c->rebuild;
-    g->gain += c->jump - c->track;
+    g->gain += pruning - c->track;
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
     if (!is_upheaval && g->gain > -c->rebuild / 2) return TRACK;
     g->gain = 0;
     if (is_upheaval && g->is_resting) return prune_and_rest(g, job->boxes);
     if (is_upheaval) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP_OR_REBUILD;
     learn_doubt(g, early);
-    return foreseen_cost(g, job) < c->jump ? TRACK : JUMP_OR_TRACK;
+    return foreseen_cost(g, job) < pruning ? TRACK : JUMP_OR_TRACK;
 }
 
 /* A world that is not mostly static is loaded. */
@@ -465,18 +528,21 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     enum { FEW = 64 };
     const struct box_table *t = job->boxes;
     int64_t leaving = 0, early = 0;
+    size_t resting = 0;
     struct costs c = costs_of(g, job);
     if (!g->is_tracking && !g->is_jumping) return is_mostly_static(t) ? prune_and_rest(g, t) : load(g, job);
     if (!g->is_tracking) return choose_untracked(g, job, &c);
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
+        resting += rests(g, b);
         early += b->level != NO_LEVEL && skin_age(g, t->left[i]) < HORIZON_MOST;
     }
     int64_t moves = (int64_t)misplaced - leaving;
+    g->restless.newcomers = resting;
     if (g->in_skins) {
         c.track = account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) +
-                  cost_of_candidates((int64_t)g->candidates.n);
+                  cost_in_skins(job, (int64_t)g->candidates.n);
     } else {
         account(&g->upkeep, moves, cost_of_tracking(job, 1, 0) - cost_of_tracking(job, 0, 0));
         c.track = cost_of_tracking(job, moves, leaving);

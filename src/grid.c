@@ -63,6 +63,7 @@ void msap_grid_init(struct grid *g, const msap_config *config, struct box_table 
     g->boxes = boxes;
     g->is_empty = 1;
     g->upkeep.horizon = HORIZON_START;
+    g->restless.newcomers = SIZE_MAX;
     g->sweeps = msap_sweeps_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
     msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));
@@ -97,6 +98,7 @@ void msap_grid_empty(struct grid *g, struct memory *m)
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
     if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
+    msap_restless_forget(g);
     g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
@@ -114,6 +116,7 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_keys_free(&g->known, m);
     msap_keys_free(&g->candidates, m);
     msap_renewal_free(&g->renewal, m);
+    msap_restless_free(g, m);
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
     g->wide_found = 0;

@@ -134,6 +134,7 @@ enum {
     BOX_LIVE = 1,     /* its handle is valid: added and not removed */
     BOX_WAS = 2,      /* it took part in the last successful commit */
     BOX_STATIC = 4,   /* added with MSAP_STATIC */
+    BOX_RESTLESS = 8, /* it is in no row since it moved (restless.c) */
     BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
@@ -831,11 +832,9 @@ struct row_sweep {
 
 /* Bounds that ask a row. */
 struct row_question {
-    int32_t min[3], max[3];     /* by axis of the rows */
-    uint32_t lacks;             /* marks that what is taken has */
-    uint8_t flags;              /* and flags of its box */
-    uint32_t self;              /* the slot of the box that asks; or */
-    const struct bounds *where; /* the same bounds */
+    int32_t min[3], max[3]; /* by axis of the rows */
+    uint32_t lacks;         /* marks that what is taken has */
+    uint32_t self;          /* the slot of the box that asks, if that is wanted */
 };
 /* Goes on with a sweep until i is `last` or `out` is full. Gives the slots of the pairs that are
  * taken. */
@@ -927,6 +926,14 @@ struct upkeep {
     int64_t spent;       /* and since `since` */
 };
 
+/* Boxes that are pruned in every commit while all others are not (restless.c). */
+struct restless {
+    struct keys order;  /* theirs, by min on the sweep axis at the last commit; none while the rows hold all boxes */
+    struct row_set row; /* one row, for a commit */
+    size_t idle;        /* how many stood still, in all commits together */
+    size_t newcomers;   /* how many that changed in the last commit had not before; SIZE_MAX: that is not known */
+};
+
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the
  * other one still holds boxes, they are moved over, some in each commit. */
@@ -958,8 +965,9 @@ struct grid {
     uint32_t doubt; /* how many boxes more than one move for each that is foreseen to, in sixteenths */
     struct rows rows;
     struct row_set row_set;   /* of all boxes that were pruned last, as they were then or with their skins, */
-    uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping */
+    uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping, and but for restless ones */
     size_t n_wide;
+    struct restless restless;
     size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last, */
     uint32_t wide_found_in; /* in which commit */
     struct keys known;      /* if knows_pairs, the keys of all active pairs, sorted */
@@ -1078,13 +1086,18 @@ enum way {
     REBUILD,
     JUMP_OR_TRACK, /* where a scene is not suited */
     JUMP_OR_REBUILD,
-    JUMP_INTO_SKINS
+    JUMP_INTO_SKINS,
+    PRUNE_RESTLESS
 };
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 int msap_grid_jump_into_skins(struct grid *g, struct job *job);
+int msap_grid_prune_restless(struct grid *g, struct job *job);
+void msap_restless_forget(struct grid *g);
+void msap_restless_free(struct grid *g, struct memory *m);
+const char *msap_restless_broken(const struct grid *g);
 void msap_renewal_begin(struct grid *g, struct job *job);
 void msap_renewal_go_on(struct grid *g, struct job *job);
 int64_t msap_trial_count(const struct grid *g);
@@ -1101,6 +1114,7 @@ int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, 
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);
 int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);
+size_t msap_rest_ask(const struct grid *g, struct worker *w, const struct bounds *where, int is_static, size_t n);
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n);
 const char *msap_rest_broken(const struct grid *g);

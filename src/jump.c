@@ -214,6 +214,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     if (job->boxes->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
         return UNSUITED;              /* GCOVR_EXCL_LINE: the same */
     *p = all;
+    msap_restless_forget(g);
     msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
     g->wide_found = p->n_wide;

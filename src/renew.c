@@ -225,6 +225,7 @@ static int change_over(struct grid *g, struct job *job)
     const struct row_set set = g->row_set;
     const struct keys candidates = g->candidates;
     size_t boxes = job->boxes->live / SHARE;
+    msap_restless_forget(g);
     msap_grid_empty_cells(g, job->memory);
     msap_layout_free(&g->layout[1 - g->current], job->memory);
     g->rows = r->rows;
@@ -240,8 +241,15 @@ static int change_over(struct grid *g, struct job *job)
            msap_layout_choose(g, job->memory, job->boxes, boxes);
 }
 
-/* What a renewal works in holds half as much as all else, and the first candidates took several times as much as
- * others do. But where skins do not last it is soon needed again. */
+/* What a renewal works in holds half as much as all else. But where skins do not last it is soon needed again,
+ * unless the first candidates took several times as much as those do that came now. */
+static int has_much(const struct grid *g)
+{
+    enum { SEVERAL = 3 };
+    const struct keys *c = &g->candidates;
+    return g->boxes->used > VERY_MANY_BOXES && (!g->renewal.is_told || c->room / SEVERAL > c->n);
+}
+
 static void give_back(struct grid *g, struct job *job)
 {
     struct keys *c = &g->candidates;
@@ -275,7 +283,7 @@ static int install(struct grid *g, struct job *job)
                                         msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].left = STAYED;
     t->n_left = 0;
-    if (t->used > VERY_MANY_BOXES && !g->renewal.is_told) give_back(g, job);
+    if (has_much(g)) give_back(g, job);
     if (t->used <= VERY_MANY_BOXES && g->upkeep.is_first && g->renewal.is_told) take_ahead(g, job->memory);
     return done;
 }

@@ -32,14 +32,14 @@ static uint32_t first_that_reaches(const struct row_set *set, size_t row, int32_
 
 /* Drops, of the boxes found from the n-th on, those that do not rest, lack flags, or are apart although their
  * skins, which the rows may hold, are not; returns how many are left. */
-static size_t keep_resting(const struct grid *g, const struct row_question *q, uint32_t *found, size_t n,
-                           size_t end)
+static size_t keep_resting(const struct grid *g, const struct bounds *where, uint32_t flags, uint32_t *found,
+                           size_t n, size_t end)
 {
     for (size_t i = n; i < end; i++) {
         uint32_t slot = found[i];
         found[n] = slot;
-        n += rests(g, &g->boxes->at[slot]) && (g->boxes->at[slot].flags & q->flags) == q->flags &&
-             overlap(bounds_in_grid(g, slot), q->where);
+        n += rests(g, &g->boxes->at[slot]) && (g->boxes->at[slot].flags & flags) == flags &&
+             overlap(bounds_in_grid(g, slot), where);
     }
     return n;
 }
@@ -57,15 +57,21 @@ static size_t ask_row(const void *context, struct worker *w, const struct row_qu
     return n;
 }
 
-/* Writes behind the first n that the worker has found the boxes that rest, have all of the flags and whose
- * bounds overlap `where`; for a static box those that are not static. In most cases each is
- * written once. Returns how many are found then, or SIZE_MAX without room. */
+/* Writes behind the first n that the worker has found what the rows hold that overlaps `where`; for a static
+ * box what is not static. In most cases each is written once. Returns how many are found then, or SIZE_MAX
+ * without room. */
+size_t msap_rest_ask(const struct grid *g, struct worker *w, const struct bounds *where, int is_static, size_t n)
+{
+    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0};
+    return msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
+}
+
+/* The same of the boxes that rest, have all of the flags and whose own bounds overlap `where`. */
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n)
 {
-    struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .flags = (uint8_t)flags, .where = where};
-    size_t end = msap_rows_ask(&g->rows, where, &q, ask_row, g, w, n);
-    return end == SIZE_MAX ? SIZE_MAX : keep_resting(g, &q, w->found, n, end);
+    size_t end = msap_rest_ask(g, w, where, is_static, n);
+    return end == SIZE_MAX ? SIZE_MAX : keep_resting(g, where, flags, w->found, n, end);
 }
 
 /* ------------------------------------------------------------ going elsewhere */

@@ -83,6 +83,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
     if (!broken && is_grid(&world->config) && !world->stale && world->grid.is_tracking)
         broken = msap_grid_broken(&world->grid, &world->boxes, &world->pairs);
     if (!broken) broken = msap_row_set_broken(&world->grid.row_set);
+    if (!broken) broken = msap_restless_broken(&world->grid);
     if (!broken) broken = msap_pairs_broken(&world->pairs);
     if (!broken) broken = msap_known_broken(&world->grid, &world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);

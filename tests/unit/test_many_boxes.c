@@ -98,7 +98,7 @@ static int scattered(int k) { return (int)((uint64_t)k * 7919 % BOXES); }
 START_TEST(all_drift)
 {
     load(0);
-    for (int frame = 1; frame <= 30; frame++) {
+    for (int frame = 1; frame <= 30 || many.world->grid.renewal.next != NO_RENEWAL; frame++) {
         for (int place = 0; place < PLACES; place++) {
             float *offset = &many.offset[place];
             *offset += (float)(place % 5 - 2) / 64;

@@ -687,7 +687,7 @@ END_TEST
 START_TEST(skins_that_have_not_paid)
 {
     int begun = 0, given_up = 0, ignored = 0;
-    for (int64_t spent = 400000; spent <= 1200000; spent += 40000) {
+    for (int64_t spent = 400000; spent <= 2400000; spent += 100000) {
         walkers w;
         open_walk(&w, DEFAULT, 3, 21);
         drift_for(&w, 1000, 26);
@@ -748,7 +748,7 @@ END_TEST
  * a limit. */
 START_TEST(motion_says_next_to_nothing)
 {
-    enum { LONELY = 250, GROUP = 44, STEPS = 7, MOST_DOUBT = 256 };
+    enum { LONELY = 250, GROUP = 29, STEPS = 9, MOST_DOUBT = 256 };
     uint32_t doubt = 0;
     walkers w;
     open_walk(&w, DEFAULT, 3, 25);

@@ -514,7 +514,7 @@ END_TEST
  * is, there are not more and more of them. */
 START_TEST(cells_follow_and_stay_few)
 {
-    enum { ALL = 300, STATIC = 288, COMMITS = 20, ROUNDS = 20 };
+    enum { ALL = 900, STATIC = 888, COMMITS = 20, ROUNDS = 20 };
     loaded l;
     uint64_t chosen = 0;
     open_level(&l, DEFAULT, 3, SCENE_SPREAD);
@@ -524,7 +524,7 @@ START_TEST(cells_follow_and_stay_few)
         const struct layout *now = &l.s.world->grid.layout[l.s.world->grid.current];
         uint32_t chosen_at = now->chosen_at;
         for (int i = STATIC; i < ALL; i++) { /* a few in a commit go or come back */
-            float far = (frame + i % 15) / COMMITS % 2 ? 4096 : 0, jitter = (float)(frame % 2) / 4;
+            float far = (frame + i % 15) / COMMITS % 2 ? 4096 : 0, jitter = (float)(frame % 2) / 64;
             float x = (float)(i % 30) + far + jitter, y = (float)(i / 30) + far;
             l.bounds[i] = box_of(x, y, 0, x + 1, y + 1, 1);
             right(session_update(&l.s, l.handles[i], &l.bounds[i]));

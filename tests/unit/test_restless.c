@@ -1,0 +1,296 @@
+/* SPDX-FileCopyrightText: 2026 the multisap authors
+ * SPDX-License-Identifier: MIT
+ *
+ * Guards: where few boxes jump among many that stay, and these alone are pruned (restless.c), all have their pairs,
+ * whoever joins them, stands still, comes or goes, until all are pruned again. It looks behind the interface to
+ * see which way was taken.
+ */
+#define box inner_box /* the tests have a struct of that name */
+#include "../../src/internal.h"
+#undef box
+#include "checks.h"
+
+enum { MOST = 700, CALM = 480, WILD = 30 };
+
+/* A session, the handles of its boxes and how many of these there are. The first ones are wild. */
+typedef struct field {
+    session s;
+    msap_handle handles[MOST];
+    box bounds[MOST];
+    uint32_t n;
+} field;
+
+static void put(field *f, box bounds, uint32_t flags)
+{
+    f->bounds[f->n] = bounds;
+    right(session_add(&f->s, &bounds, flags, &f->handles[f->n++]));
+}
+
+static void put_some(field *f, uint32_t n, uint32_t flags)
+{
+    for (uint32_t i = 0; i < n; i++) put(f, random_box(&f->s.random, f->s.scene), flags);
+}
+
+static void set(field *f, uint32_t i, box bounds)
+{
+    f->bounds[i] = bounds;
+    right(session_update(&f->s, f->handles[i], &bounds));
+}
+
+static void jump(field *f, uint32_t first, uint32_t last)
+{
+    for (uint32_t i = first; i < last; i++) set(f, i, random_box(&f->s.random, f->s.scene));
+}
+
+/* The last box takes its place. */
+static void take_away(field *f, uint32_t i)
+{
+    right(session_remove(&f->s, f->handles[i]));
+    f->handles[i] = f->handles[--f->n];
+    f->bounds[i] = f->bounds[f->n];
+}
+
+static void step(field *f)
+{
+    right(session_commit(&f->s));
+    right(session_compare(&f->s));
+    ok(msap_validate(f->s.world, NULL));
+}
+
+static struct grid *grid_of(field *f) { return &f->s.world->grid; }
+
+static size_t count_restless(field *f) { return grid_of(f)->restless.order.n; }
+
+/* Whether the set-up chooses its ways itself, in a grid. */
+static int is_free(const field *f)
+{
+    const msap_config *c = &f->s.world->config;
+    return c->grid != MSAP_GRID_NONE && c->strategy == MSAP_STRATEGY_AUTO;
+}
+
+/* A field in which the first ones jump until they are restless. Of the others every other one is static. */
+static void open_field(field *f, int row, uint32_t dims, scene_kind scene)
+{
+    msap_config config = config_of(dims, row);
+    f->n = 0;
+    right(session_open(&f->s, &config, 70 + (uint64_t)row, scene));
+    put_some(f, WILD, 0);
+    for (int i = 0; i < CALM; i++) put_some(f, 1, i % 2 ? MSAP_STATIC : 0);
+    step(f);
+    for (int frame = 0; frame < 20 && (frame < 2 || (is_free(f) && count_restless(f) == 0)); frame++) {
+        jump(f, 0, WILD);
+        step(f);
+    }
+    if (is_free(f)) ck_assert_uint_ge(count_restless(f), WILD);
+}
+
+/* Some jump, and only they are restless. */
+START_TEST(few_jump)
+{
+    field f;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    for (int frame = 0; frame < 6; frame++) {
+        jump(&f, 0, WILD);
+        step(&f);
+        if (is_free(&f)) ck_assert_uint_eq(count_restless(&f), WILD);
+        if (is_free(&f)) ck_assert_uint_eq(stats_of(f.s.world).moves, WILD);
+    }
+    right(session_close(&f.s));
+}
+END_TEST
+
+START_TEST(few_jump_in_two_dimensions)
+{
+    field f;
+    open_field(&f, _i, 2, SCENE_GRID);
+    for (int frame = 0; frame < 4; frame++) {
+        jump(&f, 0, WILD);
+        set(&f, 0, f.bounds[CALM - (uint32_t)frame]); /* they touch many that are static, too */
+        step(&f);
+    }
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* Those that are calm move once, in some commits several of them, come and go, and so do restless ones: into slots
+ * that others had. Static ones are moved too. */
+START_TEST(others_join_them_and_leave)
+{
+    field f;
+    open_field(&f, _i, 3, SCENE_GRID);
+    for (int frame = 0; frame < 16; frame++) {
+        uint32_t calm = WILD + random_below(&f.s.random, f.n - WILD);
+        jump(&f, 0, WILD);
+        jump(&f, calm, calm + 1);
+        if (frame % 4 == 0) take_away(&f, WILD + random_below(&f.s.random, f.n - WILD));
+        if (frame % 4 == 1) take_away(&f, random_below(&f.s.random, WILD));
+        if (frame % 4 == 2) put_some(&f, 2, frame % 8 == 2 ? MSAP_STATIC : 0);
+        step(&f);
+    }
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* Those that stand still stay restless, until they have cost as much as to prune all. */
+START_TEST(most_of_them_calm_down)
+{
+    field f;
+    int pruned = 0;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    for (int frame = 0; frame < 30; frame++) {
+        size_t before = count_restless(&f);
+        jump(&f, 0, WILD / 2);
+        step(&f);
+        pruned += count_restless(&f) < before;
+    }
+    if (is_free(&f)) ck_assert_int_ge(pruned, 1);
+    if (is_free(&f)) ck_assert_int_le(pruned, 10);
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* When others jump in each commit, all are pruned, or tracked. */
+START_TEST(others_each_time)
+{
+    field f;
+    int few = 0;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    for (uint32_t frame = 0; frame < 12; frame++) {
+        jump(&f, frame * WILD, (frame + 1) * WILD);
+        step(&f);
+        few += count_restless(&f) > 0;
+    }
+    if (is_free(&f)) ck_assert_int_lt(few, 6);
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* All set out at once; or those that jumped go straight on, and the others rest. */
+START_TEST(it_passes)
+{
+    field f;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    jump(&f, 0, f.n);
+    step(&f);
+    ck_assert_uint_eq(count_restless(&f), 0);
+    for (int frame = 0; frame < 4; frame++) {
+        jump(&f, 0, WILD);
+        step(&f);
+    }
+    for (int frame = 0; frame < 60; frame++) {
+        for (uint32_t i = 0; i < WILD; i++) {
+            box b = f.bounds[i];
+            b.min[i % 3] += 0.0078125f;
+            b.max[i % 3] += 0.0078125f;
+            set(&f, i, b);
+        }
+        step(&f);
+    }
+    if (_i == DEFAULT) ck_assert(grid_of(&f)->is_tracking);
+    if (_i == DEFAULT) ck_assert_uint_eq(count_restless(&f), 0);
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* Boxes that are in no row are restless from the start; one that was wide is removed, and another takes its slot. */
+START_TEST(wide_ones)
+{
+    field f;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    for (int i = 0; i < 6; i++) put(&f, box_of(-99, -99, (float)(3 * i), 99, 99, (float)(3 * i + 2)), i % 2);
+    jump(&f, 0, f.n); /* all are pruned */
+    step(&f);
+    for (int frame = 0; frame < 10; frame++) {
+        jump(&f, 0, WILD);
+        if (frame == 4) take_away(&f, f.n - 2);
+        if (frame == 5) put_some(&f, 1, 0);
+        if (frame == 6) put(&f, box_of(-99, -99, 7, 99, 99, 8), 0);
+        step(&f);
+    }
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* The world is trimmed, or all boxes are given again where they are, or most go, between two commits. */
+START_TEST(what_else_may_come_between)
+{
+    for (int how = 0; how < 4; how++) {
+        field f;
+        open_field(&f, _i, 3, SCENE_SPREAD);
+        jump(&f, 0, WILD);
+        if (how == 0) right(session_trim(&f.s));
+        for (uint32_t i = 0; how == 1 && i < f.n; i++) set(&f, i, f.bounds[i]);
+        if (how >= 2)
+            while (f.n > WILD + 20) take_away(&f, how == 2 ? 0 : f.n - 1);
+        step(&f);
+        if (how >= 2) right(session_trim(&f.s));
+        jump(&f, 0, WILD / 2);
+        step(&f);
+        right(session_close(&f.s));
+    }
+}
+END_TEST
+
+/* ---------------------------------------------------------- without memory */
+
+/* The n-th allocation fails, for n = 1, 2, ... until it needs no n-th, or all from the n-th on: the commit fails or
+ * not, and nothing is lost. */
+START_TEST(without_memory)
+{
+    for (int all = 0; all < 2; all++) {
+        size_t failures = 1;
+        for (size_t n = 1; failures > 0; n++) {
+            field f;
+            open_field(&f, _i, 3, SCENE_SPREAD);
+            msap_renewal_free(&grid_of(&f)->renewal, &f.s.world->memory);
+            *(all ? &f.s.memory.fail_from : &f.s.memory.fail_at) = f.s.memory.calls + n;
+            for (int frame = 0; frame < 3; frame++) {
+                jump(&f, 0, WILD + 30 * (uint32_t)frame);
+                put_some(&f, 4, 0);
+                step(&f);
+            }
+            failures = f.s.memory.failures;
+            right(session_close(&f.s));
+        }
+    }
+}
+END_TEST
+
+/* ------------------------------------------------------------------ checking */
+
+/* The validator tells what is wrong. */
+START_TEST(broken_order)
+{
+    const char *what;
+    field f;
+    open_field(&f, DEFAULT, 3, SCENE_SPREAD);
+    struct keys *order = &grid_of(&f)->restless.order;
+    uint64_t key = order->at[1];
+    order->at[1] = order->at[0];
+    ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, "the restless boxes are not in order");
+    order->at[1] = key;
+    order->n--;
+    ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, "a restless box is not listed");
+    order->n++;
+    ok(msap_validate(f.s.world, &what));
+    right(session_close(&f.s));
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("restless");
+    tcase_add_loop_test(tests, few_jump, 0, SETUPS);
+    tcase_add_loop_test(tests, few_jump_in_two_dimensions, 0, SETUPS);
+    tcase_add_loop_test(tests, others_join_them_and_leave, 0, SETUPS);
+    tcase_add_loop_test(tests, most_of_them_calm_down, 0, SETUPS);
+    tcase_add_loop_test(tests, others_each_time, 0, SETUPS);
+    tcase_add_loop_test(tests, it_passes, 0, SETUPS);
+    tcase_add_loop_test(tests, wide_ones, 0, SETUPS);
+    tcase_add_loop_test(tests, what_else_may_come_between, 0, SETUPS);
+    tcase_add_loop_test(tests, without_memory, 0, 1);
+    tcase_add_test(tests, broken_order);
+    return run_case(tests, "restless");
+}
