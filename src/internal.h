@@ -928,7 +928,8 @@ struct upkeep {
 
 /* Boxes that are pruned in every commit while all others are not (restless.c). */
 struct restless {
-    struct keys order;  /* theirs, by min on the sweep axis at the last commit; none while the rows hold all boxes */
+    struct keys
+        order; /* theirs, by min on the sweep axis at the last commit; none while the rows hold all boxes */
     struct row_set row; /* one row, for a commit */
     size_t idle;        /* how many stood still, in all commits together */
     size_t newcomers;   /* how many that changed in the last commit had not before; SIZE_MAX: that is not known */
@@ -1018,6 +1019,7 @@ struct spread {
     double size;   /* three in four boxes are not wider */
     double low;    /* most boxes lie from here on */
     double extent; /* within so much */
+    double step;   /* so far do they come in this commit, in the mean, but none further than it is wide */
     int exponent;  /* a cell is 2^exponent wide */
 };
 void msap_spread_of(const struct box_table *boxes, const struct bounds_by_slot *bounds, struct spread s[3]);

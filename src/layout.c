@@ -41,22 +41,33 @@ static int limited(int exponent) { return exponent < LEAST_EXPONENT ? LEAST_EXPO
 static uint64_t sortable(double value) { return msap_encode_float((float)value); }
 static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code); }
 
+/* How far a box came on an axis in this commit, so much at the most. */
+static double step_on(const struct box_table *t, size_t slot, uint32_t k, double most)
+{
+    if (!box_is_changed(t, (uint32_t)slot) || !(t->at[slot].flags & BOX_WAS)) return 0;
+    double step = msap_value_of(t->at[slot].now.min[k]) - msap_value_of(t->past[slot].before.min[k]);
+    step = step < 0 ? -step : step;
+    return step < most ? step : most;
+}
+
 /* Looks at so many finite boxes, SAMPLES at the most. */
 static void look(const struct box_table *boxes, const struct bounds_by_slot *bounds, size_t samples, uint32_t k,
                  struct spread *s)
 {
     uint64_t size[SAMPLES], centre[SAMPLES], scratch[SAMPLES];
     size_t n = 0, step = boxes->used / samples + 1;
+    s->size = s->low = s->extent = s->step = 0;
     for (size_t slot = 0; slot < boxes->used; slot += step) {
         if ((boxes->at[slot].flags & bounds->flags) != bounds->flags) continue;
         const struct bounds *b = bounds_of_slot(bounds, slot);
         double low = msap_value_of(b->min[k]), high = msap_value_of(b->max[k]);
         if (!(high - low < 1e30)) continue;
+        s->step += step_on(boxes, slot, k, high - low);
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
     }
-    s->size = s->low = s->extent = 0;
     if (n == 0) return;
+    s->step /= (double)n;
     msap_sort_keys(size, n, scratch);
     msap_sort_keys(centre, n, scratch);
     s->size = unsorted(size[n - 1 - n / 4]);

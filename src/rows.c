@@ -31,6 +31,17 @@ static uint32_t finest_axis(const struct spread s[3])
     return best;
 }
 
+/* The axis on which rows are widened: where boxes leave them far more often or, where there is none, where there are
+ * more. */
+static struct spread *axis_to_widen(struct spread *y, struct spread *z)
+{
+    enum { FAR_MORE = 4 };
+    int is_y = msap_cells_on(y) > msap_cells_on(z);
+    if (y->step > FAR_MORE * z->step) is_y = msap_cells_on(y) > 1;
+    if (z->step > FAR_MORE * y->step) is_y = msap_cells_on(z) <= 1;
+    return is_y ? y : z;
+}
+
 /* Rows are half as wide again as most boxes or more, and wider while a sweep would meet only few
  * boxes at a time. Few boxes are all in one: to go through many takes longer than to sweep it. */
 static void choose_rows(struct pruning *p, uint32_t commit)
@@ -49,7 +60,7 @@ static void choose_rows(struct pruning *p, uint32_t commit)
     r->low = (float)(x->low - x->extent / 8); /* with room for the others */
     r->extent = (float)(x->extent * 1.25);
     for (; active < MOST_ACTIVE && msap_cells_on(y) * msap_cells_on(z) > 1; active *= 2)
-        ++*(msap_cells_on(y) > msap_cells_on(z) ? &y->exponent : &z->exponent);
+        axis_to_widen(y, z)->exponent++;
     for (uint32_t k = 0; k < 2; k++) {
         const struct spread *across = k == 0 ? y : z;
         int is_one = across->exponent > WIDEST_CELL || p->job->boxes->live <= IN_ONE_ROW;
