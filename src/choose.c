@@ -141,15 +141,15 @@ static int64_t cost_of_pruning(const struct grid *g, const struct job *job, cons
 /* ------------------------------------------------------------------ foresight */
 
 /* How many boxes would be put elsewhere in each commit if all moved on as in this one and
- * had their skins: estimated from some of the changed boxes. Those that come do not
+ * had their skins: estimated from some of the changed boxes, others in each commit. Those that come do not
  * count: who knows whether they will move. */
 static double foreseen_moves(const struct grid *g)
 {
-    enum { SAMPLES = 64 };
+    enum { SAMPLES = 16 };
     const struct box_table *t = g->boxes;
     size_t step = t->n_changed / SAMPLES + 1;
     double moves = 0;
-    for (size_t i = 0; i < t->n_changed; i += step) {
+    for (size_t i = g->commit % step; i < t->n_changed; i += step) {
         const struct box *b = &t->at[t->changed[i]];
         if ((b->flags & (BOX_LIVE | BOX_WAS)) == (BOX_LIVE | BOX_WAS))
             moves += 1.0 / (double)msap_skin_lifetime(g, t->changed[i]);
@@ -438,13 +438,15 @@ static enum way prune(const struct grid *g, const struct job *job, const struct 
 }
 
 /* While nothing is kept, and few boxes move: they rest if, even should all be put elsewhere once, it takes less
- * than to prune all, or when it would have paid. All are pruned before. */
+ * than to prune all, or when it would have paid. Where some are restless all must be pruned before. */
 static enum way rest_or_prune(struct grid *g, const struct job *job, const struct costs *c)
 {
-    int64_t all_leave = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0);
-    int will_rest = would_have_paid(g, job, c, all_leave < c->jump ? 0 : all_leave);
-    if (!will_rest) return prune(g, job, c);
-    return g->restless.order.n == 0 ? REST : JUMP_OR_REBUILD;
+    int are_calm = g->restless.order.n == 0;
+    int64_t beginning = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0);
+    if (!are_calm) beginning += c->jump;
+    else if (beginning < c->jump) beginning = 0;
+    if (!would_have_paid(g, job, c, beginning)) return prune(g, job, c);
+    return are_calm ? REST : JUMP_OR_REBUILD;
 }
 
 /* While nothing is kept. */
@@ -507,7 +509,7 @@ static enum way choose_tracked(struct grid *g, const struct job *job, const stru
     int has_paid = g->gain > 0, is_upheaval = c->track > c->rebuild;
     g->gain += pruning - c->track;
     if (g->gain > c->rebuild / 4) g->gain = c->rebuild / 4;
-    if (!is_upheaval && g->gain > -c->rebuild / 2) return TRACK;
+    if (!is_upheaval && g->gain > -(g->is_resting ? c->jump : c->rebuild) / 2) return TRACK;
     g->gain = 0;
     if (is_upheaval && g->is_resting) return prune_and_rest(g, job->boxes);
     if (is_upheaval) return has_paid && foreseen_cost(g, job) < c->jump ? REBUILD : JUMP_OR_REBUILD;
