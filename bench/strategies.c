@@ -18,7 +18,7 @@
  * than for the best ways.
  *
  * A Multi-SAP keeps neighbours and puts boxes elsewhere one by one, makes all anew, or
- * prunes all. What each costs for each box, pair, neighbour or box put elsewhere follows
+ * prunes all, or the few that jump. What each costs for each box, pair, neighbour or box put elsewhere follows
  * from scenes of several sizes and densities in the same way; the unit is what the test
  * of a neighbour costs. */
 #include "library.h"
@@ -253,6 +253,14 @@ static int moves_and_neighbours(const world_run *run, double terms[TERMS])
     return 4;
 }
 
+static int moves_and_pairs(const world_run *run, double terms[TERMS])
+{
+    terms[0] = (double)run->stats.moves;
+    terms[1] = (double)run->stats.pairs;
+    terms[2] = (double)run->events;
+    return 3;
+}
+
 /* The factors with the least sum of squares of the relative errors, in nanoseconds. */
 static struct cost fit_grid(const recipe *kind, const msap_config *config, terms_fn terms_of_run)
 {
@@ -286,7 +294,8 @@ static struct cost fit_grid(const recipe *kind, const msap_config *config, terms
 static void measure_grid(void)
 {
     const recipe still = {"", 0, 8, 0, 1, 1e-5, STRAIGHT, 0, 0}, swift = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 0, 0},
-                 flat = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 1, 0}, some = {"", 0, 24, 0, 1, 0.1, BROWNIAN, 0, 0};
+                 flat = {"", 0, 24, 0, 1, 0.25, BROWNIAN, 1, 0}, some = {"", 0, 24, 0, 1, 0.1, BROWNIAN, 0, 0},
+                 few = {"", 0, 24, 0, 0.05, 0, JUMPING, 0, 0};
     const msap_config lists = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SLIDE, 0.25f),
                       pruned = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_AUTO, MSAP_MARGIN_AUTO),
                       anew = config_of(MSAP_GRID_AUTO, MSAP_STRATEGY_SWEEP, MSAP_MARGIN_AUTO),
@@ -294,6 +303,7 @@ static void measure_grid(void)
     struct cost keep = fit_grid(&still, &lists, boxes_and_candidates);
     struct cost jump = fit_grid(&swift, &pruned, boxes_and_pairs);
     struct cost line = fit_grid(&flat, &pruned, boxes_and_pairs);
+    struct cost restless = fit_grid(&few, &pruned, moves_and_pairs);
     struct cost rebuild = fit_grid(&still, &anew, boxes_and_candidates);
     struct cost track = fit_grid(&some, &moved, moves_and_neighbours);
     double test = keep.of[1];
@@ -301,6 +311,7 @@ static void measure_grid(void)
     printf("TRACK_MOVE %.0f, TRACK_NEIGHBOUR %.1f\n", track.of[0] / test, track.of[1] / test);
     printf("JUMP_BOX %.1f, JUMP_BOX_IN_LINE %.1f, JUMP_PAIR %.1f\n", jump.of[0] / test, line.of[0] / test,
            jump.of[1] / test);
+    printf("RESTLESS_BOX %.0f, KNOWN_PAIR %.1f\n", restless.of[0] / test, restless.of[1] / test);
     printf("REBUILD_BOX %.0f, REBUILD_NEIGHBOUR %.1f\n", rebuild.of[0] / test, rebuild.of[1] / test);
 }
 

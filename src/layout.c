@@ -42,7 +42,7 @@ static uint64_t sortable(double value) { return msap_encode_float((float)value);
 static double unsorted(uint64_t code) { return msap_decode_float((uint32_t)code); }
 
 /* How far a box came on an axis in this commit, so much at the most. */
-static double step_on(const struct box_table *t, size_t slot, uint32_t k, double most)
+static double way_of_box(const struct box_table *t, size_t slot, uint32_t k, double most)
 {
     if (!box_is_changed(t, (uint32_t)slot) || !(t->at[slot].flags & BOX_WAS)) return 0;
     double step = msap_value_of(t->at[slot].now.min[k]) - msap_value_of(t->past[slot].before.min[k]);
@@ -62,7 +62,7 @@ static void look(const struct box_table *boxes, const struct bounds_by_slot *bou
         const struct bounds *b = bounds_of_slot(bounds, slot);
         double low = msap_value_of(b->min[k]), high = msap_value_of(b->max[k]);
         if (!(high - low < 1e30)) continue;
-        s->step += step_on(boxes, slot, k, high - low);
+        s->step += way_of_box(boxes, slot, k, high - low);
         size[n] = sortable(high - low);
         centre[n++] = sortable(low / 2 + high / 2);
     }
