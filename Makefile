@@ -139,8 +139,8 @@ test-build: ## test the build itself: lists, symbols, headers, installation
 	@$(PYTEST) tests/build
 
 # In one process a program, since what is watched takes long to fork; native runs fork. Without the leak
-# checker: every world of the tests has an allocator that counts what comes back; and with room for
-# what was freed that outlasts any of them. Brute force is not watched: it is faster without.
+# checker: every world of the tests has an allocator that counts what comes back; and with 16 MB for
+# what was freed. Brute force is not watched: it is faster without.
 ASAN = CK_FORK=no ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=16 $(MAKE) -k -O --no-print-directory BUILD=$(BUILD)/asan \
     LDFLAGS='$(LDFLAGS)' \
     CFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \

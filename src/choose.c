@@ -30,10 +30,15 @@
  * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
  * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
- * commit in which that is due, unless that should take more than two and a half times as long as to prune all. When skins have
- * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
- * next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
- * quarter, all do. When few boxes move, they rest as they are.
+ * commit in which that is due, unless that should take more than two and a half times as long as to prune
+ * all. When skins have been dearer than to prune all in every commit, that is done for a while, and for twice
+ * as long after the next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
+ * quarter, all do.
+ *
+ * When few boxes move, the others rest as they are: at once, where that costs less than a pruning even if all
+ * that move leave their places, or when it would have saved as much as it costs. If those that move are too
+ * wild for that, and are the same again and again, only they are pruned (restless.c): until boxes that stand
+ * still after they have moved have cost as much as to prune all.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of

@@ -5,7 +5,7 @@
  *
  * After a jump (jump.c) the rows hold all boxes but the wide ones. Where few of them move then, but so wildly that
  * it would not pay to track them, the others need not be pruned again. Boxes that change are restless
- * from then on, and wide ones are, until all are pruned once more: that is, until the restless ones that stand still
+ * from then on, and wide ones are, until all are pruned once more: when those of them that stand still
  * by now have cost as much as that.
  *
  * 1. Restless boxes are sorted along the sweep axis, nearly as they were in the last commit, and make up a row of

@@ -6,7 +6,8 @@
  * A radix sort, lowest digit first, over the upper of the bits in which the keys differ:
  * of n keys that are spread over their range, log2 n bits and a few more tell nearly all
  * apart. What is then still out of order is inserted; where that is much, the keys are
- * not spread so, and all bits are sorted by or, of some hundred keys, a heap. Few keys are sorted by insertion alone.
+ * not spread so, and all bits are sorted by; or, of some hundred keys, a heap. Few keys
+ * are sorted by insertion alone.
  * The bits of floats are not spread even where the floats are: half of all patterns are for
  * what lies between -1 and 1. So values are sorted by their steps along a line.
  * Without scratch memory a heap sort does the same in place, more slowly, so that no sort
