@@ -32,8 +32,8 @@
  * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
  * commit in which that is due, unless that should take more than two and a half times as long as to prune
  * all. When skins have been dearer than to prune all in every commit, that is done for a while, and for twice
- * as long after the next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
- * quarter, all do.
+ * as long after the next time. Then some boxes get skins for a trial, and if few leave them, and skins
+ * promise to save a quarter, all do.
  *
  * When few boxes move, the others rest as they are: at once, where that costs less than a pruning even if all
  * that move leave their places, or when it would have saved as much as it costs. If those that move are too

@@ -31,8 +31,8 @@ static uint32_t finest_axis(const struct spread s[3])
     return best;
 }
 
-/* The axis on which rows are widened: on which boxes come far further than on the other one or, where there is none
- * such, on which there are more rows. */
+/* The axis on which rows are widened: on which boxes come far further than on the other one or, where there is
+ * no such, on which there are more rows. */
 static struct spread *axis_to_widen(struct spread *y, struct spread *z)
 {
     enum { FAR_MORE = 4 };
