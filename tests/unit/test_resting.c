@@ -193,9 +193,9 @@ START_TEST(more_is_loaded)
     put_some(&l, 180, 16);
     put_some(&l, 20, 0);
     step(&l);
-    for (uint32_t i = 0; i < 10; i++) move(&l, i);
+    for (uint32_t i = 0; i < 3; i++) move(&l, i);
     step(&l);
-    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 170);
+    if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 177);
     put_some(&l, 380, 16);
     step(&l);
     if (is_free(&l)) ck_assert_uint_eq(count_resting(&l), 560);
@@ -514,9 +514,9 @@ END_TEST
  * is, there are not more and more of them. */
 START_TEST(cells_follow_and_stay_few)
 {
-    enum { ALL = 900, STATIC = 888, COMMITS = 20, ROUNDS = 20 };
+    enum { ALL = 300, STATIC = 288, COMMITS = 20, ROUNDS = 20 };
     loaded l;
-    uint64_t chosen = 0;
+    uint64_t chosen = 0, rested = 0;
     open_level(&l, DEFAULT, 3, SCENE_SPREAD);
     put_floor(&l, ALL, STATIC);
     step(&l);
@@ -532,9 +532,10 @@ START_TEST(cells_follow_and_stay_few)
         step(&l);
         now = &l.s.world->grid.layout[l.s.world->grid.current];
         chosen += now->chosen_at != chosen_at;
+        rested += (uint64_t)l.s.world->grid.is_resting;
         if (now->n_cells > 2 * ALL) ck_abort_msg("%zu cells", now->n_cells);
     }
-    ck_assert(l.s.world->grid.is_resting);
+    ck_assert_uint_ge(rested, ROUNDS * COMMITS / 2);
     ck_assert_uint_ge(chosen, ROUNDS / 2);
     right(session_close(&l.s));
 }
