@@ -78,18 +78,15 @@ static void sort(struct grid *g, const struct job *job)
     msap_sort_nearly_sorted(order->at, order->n, msap_scratch_get(job->scratch, job->memory, order->n));
 }
 
-/* And writes them into their row, all as boxes that start there. Returns 0 without memory. */
+/* And writes them into their row, with all marks: two static ones are told apart when they are settled. Returns 0
+ * without memory. */
 static int make_row(struct grid *g, struct job *job)
 {
     struct restless *r = &g->restless;
     struct pruning p = {.job = job, .rows = &g->rows, .set = &r->row, .bounds = bounds_now(job->boxes)};
     p.entries = r->order.n;
     if (!msap_row_set_make(&r->row, job->memory, r->order.n)) return 0;
-    for (size_t i = 0; i < r->order.n; i++) {
-        uint32_t slot = key_box(r->order.at[i]);
-        int is_static = (job->boxes->at[slot].flags & BOX_STATIC) != 0;
-        r->row.id[i] = slot | ROW_STARTS_1 | ROW_STARTS_2 | (is_static ? 0 : ROW_MOVES);
-    }
+    for (size_t i = 0; i < r->order.n; i++) r->row.id[i] = key_box(r->order.at[i]) | ROW_MARKS;
     msap_rows_fill(&p);
     return 1;
 }
@@ -108,16 +105,11 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
 
 /* ------------------------------------------------------------------- step 2 */
 
-/* Settles a box with the calm ones among the first n that the worker has found, some of them in two rows. */
+/* Settles a box with the calm ones among the first n that the worker has found. */
 static void settle_calm(const struct grid *g, struct worker *w, uint32_t slot, size_t n)
 {
-    msap_worker_new_token(w);
-    for (size_t i = 0; i < n; i++) {
-        uint32_t other = w->found[i];
-        if (w->tag[other] == w->token || !is_calm(&g->boxes->at[other])) continue;
-        w->tag[other] = w->token;
-        settle(&w->settler, slot, other);
-    }
+    for (size_t i = 0; i < n; i++)
+        if (is_calm(&g->boxes->at[w->found[i]])) settle(&w->settler, slot, w->found[i]);
 }
 
 /* Asks for the boxes first ... last - 1. */
@@ -127,7 +119,7 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
     for (size_t i = first; i < last; i++) {
         uint32_t slot = key_box(g->restless.order.at[i]);
         const struct readable now = {g->boxes->at[slot].now, 0};
-        size_t n = msap_rest_ask(g, w, &now.bounds, (g->boxes->at[slot].flags & BOX_STATIC) != 0, 0);
+        size_t n = msap_rest_ask(g, w, &now.bounds, 0, 0);
         if (n == SIZE_MAX) w->settler.lost = 1;
         else settle_calm(g, w, slot, n);
     }
