@@ -166,6 +166,7 @@ const char *msap_restless_broken(const struct grid *g)
 {
     const struct keys *order = &g->restless.order;
     size_t marked = 0, listed = 0;
+    if (order->n > 0 && !g->is_jumping) return "boxes are restless while others are tracked";
     for (uint32_t slot = 0; slot < g->boxes->used; slot++)
         marked += (g->boxes->at[slot].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
     for (size_t i = 0; i < order->n; i++) {

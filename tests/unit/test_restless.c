@@ -309,6 +309,10 @@ START_TEST(broken_order)
     ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
     ck_assert_str_eq(what, "a restless box is not listed");
     order->n++;
+    grid_of(&f)->is_jumping = 0;
+    ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, "boxes are restless while others are tracked");
+    grid_of(&f)->is_jumping = 1;
     ok(msap_validate(f.s.world, &what));
     right(session_close(&f.s));
 }
