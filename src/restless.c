@@ -119,7 +119,7 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
     for (size_t i = first; i < last; i++) {
         uint32_t slot = key_box(g->restless.order.at[i]);
         const struct readable now = {g->boxes->at[slot].now, 0};
-        size_t n = msap_rest_ask(g, w, &now.bounds, 0, 0);
+        size_t n = msap_rest_ask(g, w, &now.bounds, (g->boxes->at[slot].flags & BOX_STATIC) != 0, 0);
         if (n == SIZE_MAX) w->settler.lost = 1;
         else settle_calm(g, w, slot, n);
     }
