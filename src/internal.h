@@ -928,8 +928,7 @@ struct upkeep {
 
 /* Boxes that are pruned in every commit while all others are not (restless.c). */
 struct restless {
-    struct keys
-        order; /* theirs, by min on the sweep axis at the last commit; none while the rows hold all boxes */
+    struct keys order;  /* by min on the sweep axis at the last commit; none while the rows hold all boxes */
     struct row_set row; /* one row, for a commit */
     size_t idle;        /* how many stood still, in all commits together */
     size_t newcomers;   /* how many that changed in the last commit had not before; SIZE_MAX: that is not known */
