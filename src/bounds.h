@@ -195,15 +195,21 @@ static inline lanes encode_lanes(lanes bits)
 static inline void store_lanes(int32_t out[3], lanes values)
 {
     _mm_storel_epi64((__m128i *)(void *)out, values);
-    out[2] = _mm_cvtsi128_si32(_mm_unpackhi_epi32(values, values));
+    out[2] = _mm_cvtsi128_si32(_mm_shuffle_epi32(values, _MM_SHUFFLE(2, 2, 2, 2)));
+}
+
+/* Both; what the first store writes too many the second one overwrites. */
+static inline void store_bounds(struct bounds *out, lanes min, lanes max)
+{
+    _mm_storeu_si128((__m128i *)(void *)out->min, min);
+    store_lanes(out->max, max);
 }
 
 /* Stores encoded bounds. Returns 1 if they are legal: since a NaN is above +inf or below
  * -inf, none stands between -inf <= min <= max <= +inf. */
 static inline int put_encoded(lanes min, lanes max, struct bounds *out)
 {
-    store_lanes(out->min, min);
-    store_lanes(out->max, max);
+    store_bounds(out, min, max);
     lanes nan = _mm_or_si128(_mm_cmpgt_epi32(_mm_set1_epi32(ORDERED_MINUS_INF), min),
                              _mm_cmpgt_epi32(max, _mm_set1_epi32(ORDERED_INF)));
     return !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(nan, _mm_cmpgt_epi32(min, max)))) & 7);
@@ -225,8 +231,7 @@ static inline int encode_within(lanes min, lanes max, const struct bounds *outer
         _mm_or_si128(_mm_cmpgt_epi32(load_bounds(outer->min), min), _mm_cmpgt_epi32(max, load_bounds(outer->max)));
     *is_within = !(_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(outside, _mm_cmpgt_epi32(min, max)))) & 7);
     if (!*is_within) return put_encoded(min, max, out);
-    store_lanes(out->min, min);
-    store_lanes(out->max, max);
+    store_bounds(out, min, max);
     return 1;
 }
 

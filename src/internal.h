@@ -245,11 +245,11 @@ static inline msap_handle handle_of(const struct box_table *t, uint32_t slot)
 }
 static inline uint32_t slot_of(msap_handle handle) { return (uint32_t)(handle >> 32); }
 
-/* The box of a handle if it has one of the flags, or NULL. */
+/* The box of a handle if it has one of the flags, as no free or retired slot has, or NULL. */
 static inline struct box *box_find(const struct box_table *t, msap_handle handle, uint32_t flags)
 {
     uint32_t slot = slot_of(handle), generation = (uint32_t)handle;
-    if (slot >= t->used || generation == 0) return NULL;
+    if (slot >= t->used) return NULL;
     struct box *b = &t->at[slot];
     return b->generation == generation && (b->flags & flags) ? b : NULL;
 }

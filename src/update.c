@@ -27,11 +27,11 @@ static void undo_update(struct box_table *t, size_t n_changed, size_t n_left)
 
 /* ---------------------------------------------------------- as nearly all are */
 
-/* Whether bounds are floats side by side. */
+/* Whether bounds are floats side by side, min and max in rows equally far apart. */
 static int is_plain(const msap_boxes *boxes)
 {
     return boxes->scalar == MSAP_FLOAT && boxes->min_component == sizeof(float) &&
-           boxes->max_component == sizeof(float);
+           boxes->max_component == sizeof(float) && boxes->min_row == boxes->max_row;
 }
 
 /* The slots first ... first + more. */
@@ -57,30 +57,31 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
                                          uint32_t dims, int scattered)
 {
     enum { AHEAD = 24 };
-    struct box_table t = *table;
+    const struct box_table t = *table;
     const struct part own = *part;
-    const ptrdiff_t row_min = from->min_row, row_max = from->max_row;
-    const char *min = (const char *)from->min + (ptrdiff_t)i * row_min,
-               *max = (const char *)from->max + (ptrdiff_t)i * row_max;
-    for (; i < k; i++, min += row_min, max += row_max) {
-        uint32_t slot = slot_of(handles[i]);
-        if (scattered && k - i > AHEAD) box_fetch(&t, handles[i + AHEAD]);
+    const char *min = from->min, *max = from->max;
+    const ptrdiff_t row = from->min_row;
+    const msap_handle *h = handles + i, *end = handles + k;
+    uint32_t *changed = t.changed + t.n_changed;
+    for (ptrdiff_t at = (ptrdiff_t)i * row; h < end; h++, at += row) {
+        uint32_t slot = slot_of(*h);
+        if (scattered && end - h > AHEAD) box_fetch(&t, h[AHEAD]);
         if (slot - own.first > own.more) continue;
-        struct box *b = box_find(&t, handles[i], BOX_LIVE);
+        struct box *b = box_find(&t, *h, BOX_LIVE);
         int is_within;
         if (!b || box_is_changed(&t, slot)) break;
         t.past[slot].before = b->now;
-        if (!encode_within(load_floats(min, sizeof(float), dims), load_floats(max, sizeof(float), dims), &b->fat,
-                           &b->now, &is_within)) {
+        if (!encode_within(load_floats(min + at, sizeof(float), dims), load_floats(max + at, sizeof(float), dims),
+                           &b->fat, &b->now, &is_within)) {
             b->now = t.past[slot].before;
             break;
         }
-        box_list_changed(&t, slot);
-        if (!is_within) box_mark_left(&t, slot);
+        b->changed_in = t.epoch;
+        *changed++ = slot;
+        if (!is_within) box_mark_left(table, slot);
     }
-    table->n_changed = t.n_changed;
-    table->n_left = t.n_left;
-    return i;
+    table->n_changed = (size_t)(changed - t.changed);
+    return (size_t)(h - handles);
 }
 
 /* The same in a world of 2 or 3 axes, some boxes after others. */
