@@ -99,6 +99,7 @@ void msap_grid_empty(struct grid *g, struct memory *m)
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
     if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
     msap_restless_forget(g);
+    msap_partners_forget(g);
     g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
@@ -117,6 +118,7 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_keys_free(&g->candidates, m);
     msap_renewal_free(&g->renewal, m);
     msap_restless_free(g, m);
+    msap_partners_free(g, m);
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
     g->wide_found = 0;

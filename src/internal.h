@@ -934,6 +934,15 @@ struct restless {
     size_t newcomers;   /* how many that changed in the last commit had not before; SIZE_MAX: that is not known */
 };
 
+/* With which others each box made a pair when this was noted; while boxes rest as they are (partners.c). */
+struct partners {
+    uint32_t *end;   /* [slots] where those of a box end; those of the next one follow */
+    uint32_t *other; /* slots */
+    size_t room_end, room_other;
+    size_t slots; /* 0: it was not noted */
+    size_t asked; /* for so many boxes that moved rows were asked instead */
+};
+
 /* A Multi-SAP: boxes with a skin in the cells that they touch, and the neighbour
  * lists that follow from them. New cells are those of the current layout; while the
  * other one still holds boxes, they are moved over, some in each commit. */
@@ -968,6 +977,7 @@ struct grid {
     uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping, and but for restless ones */
     size_t n_wide;
     struct restless restless;
+    struct partners partners;
     size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last, */
     uint32_t wide_found_in; /* in which commit */
     struct keys known;      /* if knows_pairs, the keys of all active pairs, sorted */
@@ -1095,6 +1105,11 @@ int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };
 int msap_grid_jump(struct grid *g, struct job *job);
 int msap_grid_jump_into_skins(struct grid *g, struct job *job);
+void msap_partners_note(struct grid *g, const struct job *job);
+int msap_partners_settle(struct grid *g, struct settler *s, uint32_t slot);
+void msap_partners_forget(struct grid *g);
+void msap_partners_free(struct grid *g, struct memory *m);
+const char *msap_partners_broken(const struct grid *g, const struct pair_table *pairs);
 int msap_grid_prune_restless(struct grid *g, struct job *job);
 void msap_restless_forget(struct grid *g);
 void msap_restless_free(struct grid *g, struct memory *m);
@@ -1114,7 +1129,7 @@ int msap_candidates_touch(struct grid *g, struct job *job);
 int msap_candidates_find(struct grid *g, struct job *job, const uint32_t *slot, size_t n);
 int msap_rest_begin(struct grid *g, struct job *job, size_t n);
 void msap_rest_mark(const struct grid *g, struct box_table *t);
-int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot);
+int msap_rest_part(struct grid *g, const struct job *job, uint32_t slot);
 size_t msap_rest_ask(const struct grid *g, struct worker *w, const struct bounds *where, int is_static, size_t n);
 size_t msap_rest_find(const struct grid *g, struct worker *w, const struct bounds *where, int is_static,
                       uint32_t flags, size_t n);

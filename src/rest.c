@@ -11,7 +11,8 @@
  *
  * A box of the last commit that is in no cell rests: the rows hold it as it was then, or with its skin. Two
  * boxes that rest are not in each other's lists. A box that rests and moves finds the
- * pairs that it had with others that rest where it was, in the rows. What rows hold of boxes that do not rest
+ * pairs that it had with others that rest where it was, in the rows or, where many have moved, in a list of
+ * all such pairs (partners.c). What rows hold of boxes that do not rest
  * any more is passed over. If they rest in skins (renew.c), what all boxes are to each other candidates tell. */
 #include "rows.h"
 
@@ -85,10 +86,11 @@ void msap_rest_mark(const struct grid *g, struct box_table *t)
 
 /* A box that rests is about to go elsewhere: settles what it was to others that rest. Returns 0 without
  * memory. */
-int msap_rest_part(const struct grid *g, const struct job *job, uint32_t slot)
+int msap_rest_part(struct grid *g, const struct job *job, uint32_t slot)
 {
     struct worker *w = job->worker;
     const struct box_table *t = job->boxes;
+    if (msap_partners_settle(g, &w->settler, slot)) return 1;
     size_t n = msap_rest_find(g, w, box_before(t, slot), (t->at[slot].flags & BOX_STATIC) != 0, BOX_WAS, 0);
     if (n == SIZE_MAX) return 0;
     for (size_t i = 0; i < n; i++)

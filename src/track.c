@@ -221,6 +221,7 @@ static int track(struct grid *g, struct job *job, size_t misplaced, int by_cell)
 {
     if (!msap_layout_adapt(g, job->memory, job->boxes)) return 0;
     g->moves = misplaced;
+    if (g->is_resting) msap_partners_note(g, job);
     size_t gone = removed_first(job->boxes, misplaced);
     if (!leave_all(g, job, gone, by_cell)) return 0;
     uint32_t *slot = job->boxes->left + gone;
@@ -241,15 +242,20 @@ static int track_in_skins(struct grid *g, struct job *job, size_t misplaced, int
 }
 
 /* Few boxes will be worked on from now on. */
-static void give_scratch_back(const struct job *job)
+static void give_back(struct grid *g, const struct job *job)
 {
-    if (job->boxes->used > VERY_MANY_BOXES) msap_scratch_free(job->scratch, job->memory);
+    g->candidates.n = 0;
+    g->renewal.next = NO_RENEWAL;
+    if (job->boxes->used <= VERY_MANY_BOXES) return;
+    msap_keys_free(&g->candidates, job->memory);
+    msap_renewal_free(&g->renewal, job->memory);
+    msap_scratch_free(job->scratch, job->memory);
 }
 
 /* After a jump: boxes rest from now on, but for n. Returns 0 without memory. */
 static int begin_resting(struct grid *g, struct job *job, size_t n)
 {
-    give_scratch_back(job);
+    give_back(g, job);
     return msap_rest_begin(g, job, n) && move_all(g, job, g->wide, g->n_wide, NULL);
 }
 
@@ -259,9 +265,7 @@ static int rest_without_skins(struct grid *g, struct job *job)
 {
     const struct box_table *t = job->boxes;
     size_t in_cells = g->layout[0].boxes + g->layout[1].boxes;
-    msap_keys_free(&g->candidates, job->memory);
-    msap_renewal_free(&g->renewal, job->memory);
-    give_scratch_back(job);
+    give_back(g, job);
     g->in_skins = 0;
     g->untold = g->quiet = 0;
     g->gain = 0;

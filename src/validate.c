@@ -86,6 +86,7 @@ msap_status msap_validate(const msap_world *world, const char **what)
     if (!broken) broken = msap_restless_broken(&world->grid);
     if (!broken) broken = msap_pairs_broken(&world->pairs);
     if (!broken) broken = msap_known_broken(&world->grid, &world->pairs);
+    if (!broken) broken = msap_partners_broken(&world->grid, &world->pairs);
     if (!broken) broken = overlaps_broken(&world->pairs, &world->boxes);
     if (what) *what = broken;
     return broken ? MSAP_ERROR_CORRUPT : MSAP_OK;

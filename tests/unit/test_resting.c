@@ -2,8 +2,9 @@
  * SPDX-License-Identifier: MIT
  *
  * Guards: boxes that stay where they were pruned (rest.c) have all their pairs, whoever of them moves or
- * goes, alone or with others; they go over to the cells when they move, and not before. It looks behind
- * the interface to see which way was taken.
+ * goes, alone or with others; they go over to the cells when they move, and not before. So it is whether
+ * rows are asked for these pairs or they are noted (partners.c). It looks behind the interface to see which way was
+ * taken.
  */
 #define box inner_box /* the tests have a struct of that name */
 #include "../../src/internal.h"
@@ -312,10 +313,23 @@ START_TEST(giants_where_boxes_rest)
 }
 END_TEST
 
-/* Two boxes that rested and were a pair: both part, both go, one goes and one moves, all in one commit. */
+static size_t count_noted(const loaded *l) { return l->s.world->grid.partners.slots; }
+
+/* Boxes from one on move, one in each commit, until partners are noted. */
+static void move_until_noted(loaded *l, uint32_t first, uint32_t last)
+{
+    for (uint32_t i = first; i < last && is_free(l) && count_noted(l) == 0; i++) {
+        move(l, i);
+        step(l);
+    }
+    if (is_free(l)) ck_assert_uint_ge(count_noted(l), l->n);
+}
+
+/* Two boxes that rested and were a pair: both part, both go, one goes and one moves, all in one commit; before
+ * partners are noted, and after it. */
 START_TEST(two_that_rested_together)
 {
-    for (int how = 0; how < 9; how++) {
+    for (int how = 0; how < 18; how++) {
         loaded l;
         open_level(&l, _i, 3, SCENE_GRID);
         box far_off = box_of(500, 500, 500, 501, 501, 501);
@@ -329,14 +343,41 @@ START_TEST(two_that_rested_together)
         step(&l);
         if (is_free(&l)) ck_assert(l.s.world->grid.is_jumping);
         move(&l, 100);
+        if (how >= 9) step(&l);
+        if (how >= 9) move_until_noted(&l, 300, 400);
         for (uint32_t i = 0, does = (uint32_t)how; i < 2; i++, does /= 3) {
             if (does % 3 == 1) right(session_update(&l.s, l.handles[i], &far_off));
             if (does % 3 == 2) right(session_remove(&l.s, l.handles[i]));
         }
         step(&l);
-        if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), 400);
+        if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), how < 9 ? 400 : 300);
         right(session_close(&l.s));
     }
+}
+END_TEST
+
+/* Partners move, go, and come back to where others are; when all have jumped, nobody has any. */
+START_TEST(partners_are_noted)
+{
+    loaded l;
+    open_level(&l, _i, 3, SCENE_GRID);
+    put_some(&l, 600, 12);
+    step(&l);
+    move_until_noted(&l, 0, 200);
+    for (int frame = 0; frame < 12; frame++) {
+        for (int i = 0; i < 6; i++) move(&l, random_below(&l.s.random, l.n));
+        for (int i = 0; i < 3; i++) take_away(&l, random_below(&l.s.random, l.n));
+        put_some(&l, 3, 8);
+        step(&l);
+    }
+    if (is_free(&l)) ck_assert_uint_gt(count_resting(&l), 400);
+    if (is_free(&l)) ck_assert_uint_gt(count_noted(&l), 0);
+    for (int frame = 0; frame < 3; frame++) {
+        for (uint32_t i = 0; i < l.n; i++) move(&l, i);
+        step(&l);
+    }
+    if (is_free(&l)) ck_assert_uint_eq(count_noted(&l), 0);
+    right(session_close(&l.s));
 }
 END_TEST
 
@@ -389,6 +430,31 @@ START_TEST(broken_rows)
     g->row_set.reach[0]++;
     is_broken(l.s.world, "a row reaches elsewhere than is told");
     g->row_set.reach[0]--;
+    right(session_compare(&l.s));
+    right(session_close(&l.s));
+}
+END_TEST
+
+/* And with partners. */
+START_TEST(broken_partners)
+{
+    loaded l;
+    open_level(&l, DEFAULT, 3, SCENE_GRID);
+    put_some(&l, 300, 10);
+    step(&l);
+    struct partners *p = &l.s.world->grid.partners;
+    p->slots = 1;
+    is_broken(l.s.world, "partners are noted while no box rests as it is");
+    p->slots = 0;
+    move_until_noted(&l, 0, 100);
+    for (uint32_t slot = 0; slot < 300; slot++) { /* each pair is told by both boxes */
+        uint32_t i = slot > 0 ? p->end[slot - 1] : 0, other = p->other[i];
+        if (p->end[slot] != i + 1 || !rests(&l.s.world->grid, &l.s.world->boxes.at[slot])) continue;
+        if (!rests(&l.s.world->grid, &l.s.world->boxes.at[other])) continue;
+        p->other[i] = slot;
+        is_broken(l.s.world, "a pair that rests is not noted");
+        p->other[i] = other;
+    }
     right(session_compare(&l.s));
     right(session_close(&l.s));
 }
@@ -449,6 +515,19 @@ static void many_rest_and_go(loaded *l, size_t n)
     step(l);
 }
 
+/* When it was loaded rows were asked for those that are not static; in the next commit partners are noted, if there
+ * is memory for it. */
+static void partners_are_to_be_noted(loaded *l, size_t n)
+{
+    put_some(l, 300, 15);
+    step(l);
+    if (is_free(l)) ck_assert_uint_eq(count_noted(l), 0);
+    l->s.memory.fail_at = l->s.memory.calls + n;
+    for (uint32_t i = 0; i < 10; i++) move(l, i);
+    step(l);
+    if (is_free(l) && l->s.memory.failures == 0) ck_assert_uint_gt(count_noted(l), 0);
+}
+
 static void wide_boxes_enter_cells(loaded *l, size_t n)
 {
     put_floor(l, 900, 600);
@@ -475,6 +554,7 @@ START_TEST(without_memory)
     fail_each(_i, rest_from_the_start);
     fail_each(_i, rest_later);
     fail_each(_i, many_rest_and_go);
+    fail_each(_i, partners_are_to_be_noted);
     fail_each(_i, wide_boxes_enter_cells);
     fail_each(_i, only_wide_boxes_have_pairs);
 }
@@ -505,6 +585,15 @@ START_TEST(very_many_boxes)
             }
             commit(world, frame ? MOVERS / 2 : 0, MOVERS / 2, MOVERS / 2);
         }
+        for (int frame = 0; frame < 2; frame++) { /* many that rested move; so many slots have no partners */
+            for (int i = 0; i < 8 * MOVERS; i++) {
+                box moved = bounds[BOXES - 1 - i];
+                moved.max[0] += 0.25f * (float)(1 + frame);
+                update(world, handles[BOXES - 1 - i], moved);
+            }
+            commit(world, 0, 0, MOVERS / 2);
+        }
+        ck_assert_uint_eq(world->grid.partners.slots, 0);
     }
     ok(msap_destroy(world));
 }
@@ -554,8 +643,10 @@ int main(void)
     tcase_add_loop_test(tests, many_of_a_crowd_go, 0, SETUPS);
     tcase_add_loop_test(tests, giants_where_boxes_rest, 0, SETUPS);
     tcase_add_loop_test(tests, two_that_rested_together, 0, SETUPS);
+    tcase_add_loop_test(tests, partners_are_noted, 0, SETUPS);
     tcase_add_loop_test(tests, many_go, 0, SETUPS);
     tcase_add_test(tests, broken_rows);
+    tcase_add_test(tests, broken_partners);
     tcase_add_test(tests, cells_follow_and_stay_few);
     tcase_add_loop_test(tests, without_memory, 0, SETUPS);
     tcase_add_loop_test(tests, very_many_boxes, 0, SETUPS);
