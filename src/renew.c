@@ -55,14 +55,15 @@ static void fit_all(struct grid *g, struct job *job, size_t from, size_t to)
     msap_phase_run(job->crew, job->memory, fit, &f, to - from, WEIGHT_SKIN); /* it finds nothing */
 }
 
-/* Room for the skins of all boxes. Returns 0 without memory. */
+/* Room for the skins of all boxes, and for one more, which vectors may read. Returns 0 without memory. */
 static int prepare_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
     const struct box_table *t = job->boxes;
     if (t->used > ROW_MOVES) /* GCOVR_EXCL_BR_LINE: 2^29 boxes, and a slot has no bits to spare */
         return 0;            /* GCOVR_EXCL_LINE: the same */
-    if (!msap_memory_reserve(job->memory, &r->fat, &r->room_fat, t->used, 0, sizeof *r->fat)) return 0;
+    if (!msap_memory_reserve(job->memory, &r->fat, &r->room_fat, t->used + 1, 0, sizeof *r->fat)) return 0;
+    memset(&r->fat[t->used], 0, sizeof *r->fat);
     r->slots = t->used;
     msap_upkeep_begins(g);
     return 1;

@@ -150,30 +150,31 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     return m;
 }
 
-/* Encoded and moved by so many units, but never as a NaN, whatever a compiler thinks of these: so limits are
- * those of integers. A zero with a sign counts as one below the other. */
-static inline __m128i three_ordered(__m128 values, int32_t units)
+/* The lower, and the higher, of integers. */
+static inline __m128i lower_of(__m128i a, __m128i b) { return choose_lanes(_mm_cmpgt_epi32(b, a), a, b); }
+static inline __m128i higher_of(__m128i a, __m128i b) { return choose_lanes(_mm_cmpgt_epi32(a, b), a, b); }
+
+/* Encoded. A zero with a sign counts as one below the other. */
+static inline __m128i three_ordered(__m128 values)
 {
-    const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
     __m128i bits = _mm_castps_si128(values);
-    __m128i ordered = _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
-    ordered = _mm_add_epi32(ordered, _mm_set1_epi32(units));
-    ordered = choose_lanes(_mm_cmpgt_epi32(ordered, most), most, ordered);
-    return choose_lanes(_mm_cmpgt_epi32(least, ordered), least, ordered);
+    return _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
 }
 
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
- * in the last place. */
+ * in the last place: but never NaNs, whatever a compiler thinks of these, so limits are those of integers. */
 static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m,
                                     float horizon, float aside, int32_t units)
 {
     const __m128 zero = _mm_setzero_ps(), ahead = _mm_set1_ps(horizon), more = _mm_set1_ps(aside);
+    const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
-    __m128i min = three_ordered(low, -units), max = three_ordered(high, units);
-    __m128i old_min = load_bounds(now->min), old_max = load_bounds(now->max);
-    store_lanes(fat->min, choose_lanes(_mm_cmpgt_epi32(old_min, min), min, old_min));
-    store_lanes(fat->max, choose_lanes(_mm_cmpgt_epi32(max, old_max), max, old_max));
+    __m128i min = _mm_sub_epi32(three_ordered(low), _mm_set1_epi32(units)),
+            max = _mm_add_epi32(three_ordered(high), _mm_set1_epi32(units));
+    min = lower_of(higher_of(min, least), load_bounds(now->min));
+    max = higher_of(lower_of(max, most), load_bounds(now->max));
+    store_bounds(fat, min, max);
 }
 
 #else
@@ -244,18 +245,21 @@ static void reach_out(const struct bounds *now, struct bounds *fat, const struct
 
 #endif
 
-/* From 1/2 to 1, by slot and commit: so that boxes that set out together do not all
- * leave their skins in one commit. */
-static float spread(uint32_t slot, uint32_t commit)
+/* From 0 to 255, by slot and commit. */
+static inline uint32_t chance(uint32_t slot, uint32_t commit)
 {
-    uint32_t mixed = (slot ^ commit * 0x85ebca6bu) * 0x9e3779b1u;
-    return 0.5f + (float)(mixed >> 24) / 512;
+    return ((slot ^ commit * 0x85ebca6bu) * 0x9e3779b1u) >> 24;
 }
+
+/* From 1/2 to 1: so that boxes that set out together do not all
+ * leave their skins in one commit. */
+static float spread(uint32_t slot, uint32_t commit) { return 0.5f + (float)chance(slot, commit) / 512; }
 
 /* For how many commits the box would go on within so many times its own size, `most` at the most. */
 static float reach(const struct motion *m, float most, float sizes)
 {
-    return m->step * most <= m->size * sizes ? most : m->size * sizes / m->step;
+    float commits = m->size * sizes / m->step; /* a NaN if the box is a point and stands still */
+    return commits < most ? commits : most;
 }
 
 /* ------------------------------------------------------------------- skins */
@@ -353,14 +357,16 @@ static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
-    if (g->config->margin >= 0) *fat = msap_bounds_widened(&b->now, g->config->margin);
-    if (g->config->margin >= 0 || b->flags & BOX_STATIC) return;
+    if (g->config->margin >= 0 || b->flags & BOX_STATIC) {
+        *fat = g->config->margin >= 0 ? msap_bounds_widened(&b->now, g->config->margin) : b->now;
+        return;
+    }
     struct motion m = motion_of(g, slot);
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
     float least = m.size * (float)(has_come(g->boxes, slot) ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
-    if (!(m.size < FAR)) return;
-    reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
+    if (m.size < FAR) reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
+    else *fat = b->now;
 }
 
 /* Makes the skins of the boxes that are live in every step-th slot from `first` on; what others get means nothing.
@@ -369,8 +375,10 @@ void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, siz
 {
     for (size_t slot = first; slot < last; slot += step) {
         struct box *b = &g->boxes->at[slot];
-        fat[slot] = b->now;
-        if (!(b->flags & BOX_LIVE)) continue;
+        if (!(b->flags & BOX_LIVE)) {
+            fat[slot] = b->now;
+            continue;
+        }
         if (box_has_left(b) && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
         skin_ahead(g, (uint32_t)slot, &fat[slot]);
         b->flags |= BOX_FITTED;
@@ -427,8 +435,7 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
 static inline void skin_was_right(const struct grid *g, uint32_t slot)
 {
     struct box *b = &g->boxes->at[slot];
-    if (b->wobble > 0 && (spread(slot, g->commit) - 0.5f) * 2 * HORIZON_START < (float)g->upkeep.made_for)
-        b->wobble--;
+    if (b->wobble > 0 && chance(slot, g->commit) * HORIZON_START < 256 * g->upkeep.made_for) b->wobble--;
 }
 
 /* The skin of a box that it got with all others starts. Where the box was counts from an earlier one, unless that
@@ -453,10 +460,12 @@ void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new)
             box_forget_place(b);
             continue;
         }
+        /* What has just been written is slow to read as a vector: so this is asked before it is copied. */
+        int is_within = b->flags & BOX_FITTED && contains(&r->fat[slot], &b->now);
         if (b->level == NO_LEVEL) skin_was_right(g, slot);
         b->level = NO_LEVEL;
         b->fat = r->is_told || b->flags & BOX_FITTED ? r->fat[slot] : b->now;
-        if (b->flags & BOX_FITTED && contains(&b->fat, &b->now)) {
+        if (is_within) {
             skin_starts(g, slot, are_new);
         } else {
             if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
