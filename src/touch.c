@@ -111,6 +111,14 @@ static void touch_below(const struct touching *t, struct settler *s, uint32_t sl
     msap_settle_note(s, below, msap_near_find(l, below, slot));
 }
 
+/* Where there are many boxes, fetches the neighbours of one. */
+static void fetch_neighbours(const struct touching *t, uint32_t slot)
+{
+    const struct near_list *l = &t->of[slot];
+    if (t->boxes->used <= MANY_BOXES) return;
+    for (uint32_t i = 0; i < l->n; i++) prefetch(&t->boxes->at[near_slot(l->at[i])]);
+}
+
 /* Every pair of a changed box; of two changed boxes from the lower one. */
 static void touch_changed(void *context, struct worker *w, size_t first, size_t last)
 {
@@ -121,8 +129,9 @@ static void touch_changed(void *context, struct worker *w, size_t first, size_t 
     for (size_t c = first; c < last; c++) {
         uint32_t slot = t->slot[c];
         const struct near_list *l = &t->of[slot];
-        if (c + 2 * AHEAD < last) prefetch(&t->of[t->slot[c + 2 * AHEAD]]);
-        if (c + AHEAD < last) prefetch(t->of[t->slot[c + AHEAD]].at);
+        if (c + 3 * AHEAD < last) prefetch(&t->of[t->slot[c + 3 * AHEAD]]);
+        if (c + 2 * AHEAD < last) prefetch(t->of[t->slot[c + 2 * AHEAD]].at);
+        if (c + AHEAD < last) fetch_neighbours(t, t->slot[c + AHEAD]);
         n = buffer_above(&w->settler, &above, n, slot, l);
         for (uint32_t i = l->n_above; i < l->n; i++)
             if (!box_is_changed(t->boxes, l->at[i])) touch_below(t, &w->settler, slot, l->at[i]);
