@@ -237,6 +237,17 @@ static void fetch(const struct grid *g, const uint32_t *slot, size_t n)
         for (uint32_t k = 0; k < of[slot[i]].n; k++) prefetch(&t->at[near_slot(of[slot[i]].at[k])]);
 }
 
+/* Where there are many boxes, fetches the lists of the neighbours of n of them. */
+static void fetch_lists(const struct grid *g, const uint32_t *slot, size_t n)
+{
+    const struct near_list *of = g->near.of;
+    if (g->boxes->used <= MANY_BOXES) return;
+    for (size_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < of[slot[i]].n; k++) prefetch(&of[near_slot(of[slot[i]].at[k])]);
+    for (size_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < of[slot[i]].n; k++) prefetch(of[near_slot(of[slot[i]].at[k])].at);
+}
+
 /* Where there are many boxes, fetches the cells that n of them are in, and then what these hold. */
 static void fetch_cells(const struct grid *g, const uint32_t *slot, size_t n)
 {
@@ -267,6 +278,7 @@ int msap_move_few(struct grid *g, const struct job *job, const struct region *ow
 {
     struct spot spot[MOVES_AT_ONCE];
     if (!own) fetch(g, slot, n);
+    if (!own) fetch_lists(g, slot, n);
     if (!own) fetch_cells(g, slot, n);
     for (size_t i = 0; i < n; i++) {
         if (state[i] != MOVE_WAITS) continue;
