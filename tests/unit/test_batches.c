@@ -101,6 +101,7 @@ START_TEST(layouts)
     msap_boxes zyx = strides_of(scalar, 6 * w, -w, 6 * w, -w);                   /* the last axis first */
     msap_boxes mirrored = strides_of(scalar, -6 * w, -w, -6 * w, -w);            /* both */
     msap_boxes mixed = strides_of(scalar, 3 * w, w, -w, -ROW * w);               /* mins in rows, maxes in columns */
+    msap_boxes unequal = strides_of(scalar, 6 * w, w, 3 * w, w);                 /* mmm..., mmm..., MMM, MMM */
     msap_boxes odd = strides_of(scalar, 6 * w + 1, w, 6 * w + 1, w);             /* records of an odd size */
     layout_is_read(n, 0, 3 * s, &rows);
     layout_is_read(n, 0, s, &pairs);
@@ -109,6 +110,7 @@ START_TEST(layouts)
     layout_is_read(n, 2 * s, 5 * s, &zyx);
     layout_is_read(n, n - 4 * s, n - s, &mirrored);
     layout_is_read(n, 0, n - s, &mixed);
+    layout_is_read(n + 3 * ROW * s, 0, n, &unequal);
     layout_is_read(n + ROW - 1, 0, 3 * s, &odd);
     layout_is_read(n + 1, 1, 3 * s + 1, &rows);
     layout_is_read(n + 3, 3, s + 3, &pairs);

@@ -450,8 +450,10 @@ START_TEST(wide_boxes_walk)
 }
 END_TEST
 
-/* When most boxes stop, all rest as they are; when they walk on, they get skins; and when they jump, nothing is
- * kept but for a while. */
+static int is_renewing(walkers *w) { return grid_of(w)->renewal.next != NO_RENEWAL; }
+
+/* When most boxes stop, all rest as they are, whether or not new skins are being made; when they walk on, they get
+ * skins; and when they jump, nothing is kept but for a while. */
 START_TEST(boxes_stop_and_walk_on)
 {
     if (!chooses(_i)) return;
@@ -464,12 +466,18 @@ START_TEST(boxes_stop_and_walk_on)
             end_frame(&w);
         }
         if (is_free(&w)) ck_assert(grid_of(&w)->in_skins);
+        for (int frame = 0; is_free(&w) && round == 0 && !is_renewing(&w); frame++) {
+            ck_assert_int_lt(frame, 100);
+            walk(&w, 0);
+            end_frame(&w);
+        }
         for (int frame = 0; frame < 12; frame++) {
             set(&w, (uint32_t)frame, w.bounds[50 + frame]);
             end_frame(&w);
+            if (!is_free(&w) || frame < 5) continue;
+            ck_assert(grid_of(&w)->is_resting && !grid_of(&w)->in_skins && !is_renewing(&w));
+            ck_assert_uint_eq(grid_of(&w)->candidates.n, 0);
         }
-        if (is_free(&w))
-            ck_assert(grid_of(&w)->is_resting && !grid_of(&w)->in_skins);
         for (int frame = 0; frame < 3; frame++) {
             happen(&w, ALL_JUMP);
             end_frame(&w);
