@@ -62,7 +62,7 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
     const char *min = from->min, *max = from->max;
     const ptrdiff_t row = from->min_row;
     const msap_handle *h = handles + i, *end = handles + k;
-    uint32_t *changed = t.changed + t.n_changed;
+    size_t n_changed = t.n_changed;
     for (ptrdiff_t at = (ptrdiff_t)i * row; h < end; h++, at += row) {
         uint32_t slot = slot_of(*h);
         if (scattered && end - h > AHEAD) box_fetch(&t, h[AHEAD]);
@@ -77,10 +77,10 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
             break;
         }
         b->changed_in = t.epoch;
-        *changed++ = slot;
+        t.changed[n_changed++] = slot;
         if (!is_within) box_mark_left(table, slot);
     }
-    table->n_changed = (size_t)(changed - t.changed);
+    table->n_changed = n_changed;
     return (size_t)(h - handles);
 }
 
