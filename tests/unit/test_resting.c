@@ -444,19 +444,27 @@ START_TEST(broken_partners)
     open_level(&l, DEFAULT, 3, SCENE_GRID);
     put_some(&l, 300, 10);
     step(&l);
-    struct partners *p = &l.s.world->grid.partners;
+    struct grid *g = &l.s.world->grid;
+    struct partners *p = &g->partners;
     p->slots = 1;
     is_broken(l.s.world, "partners are noted while no box rests as it is");
+    g->is_resting = g->in_skins = 1;
+    is_broken(l.s.world, "partners are noted while no box rests as it is");
+    g->is_resting = g->in_skins = 0;
     p->slots = 0;
     move_until_noted(&l, 0, 100);
+    int n = 0;
     for (uint32_t slot = 0; slot < 300; slot++) { /* each pair is told by both boxes */
-        uint32_t i = slot > 0 ? p->end[slot - 1] : 0, other = p->other[i];
-        if (p->end[slot] != i + 1 || !rests(&l.s.world->grid, &l.s.world->boxes.at[slot])) continue;
-        if (!rests(&l.s.world->grid, &l.s.world->boxes.at[other])) continue;
+        uint32_t i = slot > 0 ? p->end[slot - 1] : 0;
+        if (p->end[slot] != i + 1 || !rests(g, &l.s.world->boxes.at[slot])) continue;
+        uint32_t other = p->other[i];
+        if (!rests(g, &l.s.world->boxes.at[other])) continue;
         p->other[i] = slot;
         is_broken(l.s.world, "a pair that rests is not noted");
         p->other[i] = other;
+        n++;
     }
+    ck_assert_int_gt(n, 9);
     right(session_compare(&l.s));
     right(session_close(&l.s));
 }
