@@ -154,13 +154,6 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
 static inline __m128i lower_of(__m128i a, __m128i b) { return choose_lanes(_mm_cmpgt_epi32(b, a), a, b); }
 static inline __m128i higher_of(__m128i a, __m128i b) { return choose_lanes(_mm_cmpgt_epi32(a, b), a, b); }
 
-/* Encoded. A zero with a sign counts as one below the other. */
-static inline __m128i three_ordered(__m128 values)
-{
-    __m128i bits = _mm_castps_si128(values);
-    return _mm_xor_si128(bits, _mm_srli_epi32(_mm_srai_epi32(bits, 31), 1));
-}
-
 /* Makes the fat bounds of a box for so many commits, and wider on both sides by `aside` and so many units
  * in the last place: but never NaNs, whatever a compiler thinks of these, so limits are those of integers. */
 static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat, const struct motion *m,
@@ -170,8 +163,8 @@ static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat
     const __m128i most = _mm_set1_epi32(ORDERED_INF), least = _mm_set1_epi32(ORDERED_MINUS_INF);
     __m128 low = _mm_sub_ps(_mm_add_ps(m->low, _mm_mul_ps(_mm_min_ps(m->down, zero), ahead)), more);
     __m128 high = _mm_add_ps(_mm_add_ps(m->high, _mm_mul_ps(_mm_max_ps(m->up, zero), ahead)), more);
-    __m128i min = _mm_sub_epi32(three_ordered(low), _mm_set1_epi32(units)),
-            max = _mm_add_epi32(three_ordered(high), _mm_set1_epi32(units));
+    __m128i min = _mm_sub_epi32(encode_lanes(_mm_castps_si128(low)), _mm_set1_epi32(units)),
+            max = _mm_add_epi32(encode_lanes(_mm_castps_si128(high)), _mm_set1_epi32(units));
     min = lower_of(higher_of(min, least), load_bounds(now->min));
     max = higher_of(lower_of(max, most), load_bounds(now->max));
     store_bounds(fat, min, max);
@@ -219,12 +212,12 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     return m;
 }
 
-/* Encoded and moved by so many units, but never as a NaN. A zero with a sign counts as one below the other. */
+/* Encoded and moved by so many units, but never as a NaN. */
 static int32_t ordered_of(float value, int32_t units)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    int64_t ordered = (int64_t)(int32_t)(bits ^ (0u - (bits >> 31)) >> 1) + units;
+    int64_t ordered = (int64_t)ordered_from_float_bits(bits) + units;
     if (ordered < ORDERED_MINUS_INF) return ORDERED_MINUS_INF;
     return ordered > ORDERED_INF ? ORDERED_INF : (int32_t)ordered;
 }
@@ -258,8 +251,7 @@ static float spread(uint32_t slot, uint32_t commit) { return 0.5f + (float)chanc
 /* For how many commits the box would go on within so many times its own size, `most` at the most. */
 static float reach(const struct motion *m, float most, float sizes)
 {
-    float commits = m->size * sizes / m->step; /* a NaN if the box is a point and stands still */
-    return commits < most ? commits : most;
+    return m->step * most <= m->size * sizes ? most : m->size * sizes / m->step;
 }
 
 /* ------------------------------------------------------------------- skins */

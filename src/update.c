@@ -57,12 +57,11 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
                                          uint32_t dims, int scattered)
 {
     enum { AHEAD = 24 };
-    const struct box_table t = *table;
+    struct box_table t = *table;
     const struct part own = *part;
     const char *min = from->min, *max = from->max;
     const ptrdiff_t row = from->min_row;
     const msap_handle *h = handles + i, *end = handles + k;
-    size_t n_changed = t.n_changed;
     for (ptrdiff_t at = (ptrdiff_t)i * row; h < end; h++, at += row) {
         uint32_t slot = slot_of(*h);
         if (scattered && end - h > AHEAD) box_fetch(&t, h[AHEAD]);
@@ -76,11 +75,11 @@ static ALWAYS_INLINE size_t update_plain(struct box_table *table, const struct p
             b->now = t.past[slot].before;
             break;
         }
-        b->changed_in = t.epoch;
-        t.changed[n_changed++] = slot;
-        if (!is_within) box_mark_left(table, slot);
+        box_list_changed(&t, slot);
+        if (!is_within) box_mark_left(&t, slot);
     }
-    table->n_changed = n_changed;
+    table->n_changed = t.n_changed;
+    table->n_left = t.n_left;
     return (size_t)(h - handles);
 }
 
