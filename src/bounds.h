@@ -77,6 +77,8 @@ typedef __m128i lanes, gaps;
 
 static inline lanes load_bounds(const int32_t *at) { return _mm_loadu_si128((const __m128i *)(const void *)at); }
 
+static inline void store_four(int32_t *to, lanes values) { _mm_storeu_si128((__m128i *)(void *)to, values); }
+
 static inline void set_four(uint32_t *to, uint32_t value)
 {
     _mm_storeu_si128((__m128i *)(void *)to, _mm_set1_epi32((int32_t)value));

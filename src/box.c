@@ -10,33 +10,41 @@
 #include "internal.h"
 
 static void set_next(struct box *b, uint32_t slot) { b->now.min[0] = (int32_t)slot; }
+static void set_ahead(struct box *b, uint32_t slot) { b->now.min[1] = (int32_t)slot; }
 
 static void queue_put(struct box_table *t, struct slot_queue *q, uint32_t slot)
 {
+    uint32_t *latest = &q->latest[q->put++ % QUEUE_AHEAD];
+    if (q->n >= QUEUE_AHEAD) set_ahead(&t->at[*latest], slot);
+    *latest = slot;
     set_next(&t->at[slot], NONE);
+    set_ahead(&t->at[slot], NONE);
     if (q->head == NONE) q->head = slot;
     else set_next(&t->at[q->tail], slot);
     q->tail = slot;
     q->n++;
 }
 
+/* Takes back that a slot was taken, last of all. */
 static void queue_put_back(struct box_table *t, struct slot_queue *q, uint32_t slot)
 {
     set_next(&t->at[slot], q->head);
+    set_ahead(&t->at[slot], NONE);
     if (q->head == NONE) q->tail = slot;
     q->head = slot;
     q->n++;
 }
 
-/* What follows is fetched into the cache: queues are long when many boxes come or go, and in any order. */
+/* What will be taken soon is fetched into the cache: queues are long when many boxes come or go, and in any
+ * order. */
 static uint32_t queue_take(struct box_table *t, struct slot_queue *q)
 {
-    uint32_t slot = q->head;
+    uint32_t slot = q->head, ahead = box_ahead(&t->at[slot]);
     q->head = box_next(&t->at[slot]);
     q->n--;
-    if (q->head == NONE) return slot;
-    prefetch(&t->at[q->head]);
-    prefetch(&t->past[q->head]);
+    if (ahead == NONE) return slot;
+    prefetch(&t->at[ahead]);
+    prefetch(&t->past[ahead]);
     return slot;
 }
 
@@ -82,7 +90,7 @@ static int is_free(const struct box *b) { return b->flags == 0 && b->generation 
  * place of one has a generation that no handle of it had. */
 static void forget_slots(struct box_table *t)
 {
-    struct slot_queue kept = {NONE, NONE, 0};
+    struct slot_queue kept = {.head = NONE, .tail = NONE};
     while (t->used > 0 && is_free(&t->at[t->used - 1])) {
         uint32_t generation = t->at[--t->used].generation;
         if (generation > t->first_generation) t->first_generation = generation;

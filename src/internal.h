@@ -151,7 +151,7 @@ enum { HORIZON_FIRST = 24, HORIZON_START = 32, HORIZON_SHORT = 3, HORIZON_TRIAL 
  * is not on the list of those that left lies within its fat bounds; an unchanged slot
  * without BOX_LIVE and BOX_WAS is free or retired. */
 struct box {
-    struct bounds now;   /* as last given; of one that is not BOX_LIVE, box_next */
+    struct bounds now;   /* as last given; of one that is not BOX_LIVE, links of a queue */
     int32_t left;        /* LEFT if it is on the list of those that left, else STAYED */
     struct bounds fat;   /* with its skin: what its cells know of it; all space where it is in none */
     uint32_t generation; /* low half of the handle; 0: retired */
@@ -191,12 +191,17 @@ static inline const struct bounds *bounds_of_slot(const struct bounds_by_slot *b
     return (const struct bounds *)(const void *)((const char *)b->at + slot * b->step);
 }
 
-/* The slot behind this one in the queue of removed or of free slots, or NONE. */
+/* The slot behind this one in the queue of removed or of free slots, or NONE; and the one so many behind it, to be
+ * fetched, or NONE. */
+enum { QUEUE_AHEAD = 16 };
 static inline uint32_t box_next(const struct box *b) { return (uint32_t)b->now.min[0]; }
+static inline uint32_t box_ahead(const struct box *b) { return (uint32_t)b->now.min[1]; }
 
 /* Slots in the order in which they came, linked through box_next. */
 struct slot_queue {
     uint32_t head, tail;
+    uint32_t put;                 /* how many have been put at its end, modulo 2^32; */
+    uint32_t latest[QUEUE_AHEAD]; /* and the last of them, each in the place of its number */
     size_t n;
 };
 

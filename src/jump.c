@@ -45,8 +45,9 @@ static void settle_taken(struct settler *s, const struct pair_buffer *taken)
     size_t i = 0;
     s->touched += taken->n;
     for (; taken->n - i >= 4; i += 4) {
-        if (known_among(s->boxes->past, taken->a + i, taken->b + i) == 15) continue;
-        for (size_t k = i; k < i + 4; k++) settle_found(s, taken->a[k], taken->b[k]);
+        uint32_t fresh = known_among(s->boxes->past, taken->a + i, taken->b + i) ^ 15;
+        for (size_t k = i; fresh > 0; k++, fresh >>= 1)
+            if (fresh & 1) msap_settle_change(s, pair_key(taken->a[k], taken->b[k]), 1);
     }
     for (; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
 }

@@ -141,28 +141,72 @@ static void list_boxes(const struct pruning *j, uint32_t *id)
     }
 }
 
+/* Where the bounds of entries are written, by axis of the boxes. */
+struct columns {
+    int32_t *min[3], *max[3];
+};
+
+/* Writes the bounds of entry i. */
+static inline void fill_one(const struct columns *to, size_t i, const struct bounds *b)
+{
+    for (int k = 0; k < 3; k++) {
+        to->min[k][i] = b->min[k];
+        to->max[k][i] = b->max[k];
+    }
+}
+
+#if defined(__SSE2__)
+/* Writes one end of the bounds of entries i ... i + 3. */
+static inline void fill_ends(int32_t *const to[3], size_t i, lanes a, lanes b, lanes c, lanes d)
+{
+    lanes ab = _mm_unpacklo_epi32(a, b), cd = _mm_unpacklo_epi32(c, d);
+    store_four(to[0] + i, _mm_unpacklo_epi64(ab, cd));
+    store_four(to[1] + i, _mm_unpackhi_epi64(ab, cd));
+    store_four(to[2] + i, _mm_unpacklo_epi64(_mm_unpackhi_epi32(a, b), _mm_unpackhi_epi32(c, d)));
+}
+
+static inline void fill_four(const struct columns *to, size_t i, const struct bounds *a, const struct bounds *b,
+                             const struct bounds *c, const struct bounds *d)
+{
+    fill_ends(to->min, i, load_bounds(a->min), load_bounds(b->min), load_bounds(c->min), load_bounds(d->min));
+    fill_ends(to->max, i, load_bounds(a->max), load_bounds(b->max), load_bounds(c->max), load_bounds(d->max));
+}
+#else
+static inline void fill_four(const struct columns *to, size_t i, const struct bounds *a, const struct bounds *b,
+                             const struct bounds *c, const struct bounds *d)
+{
+    fill_one(to, i, a);
+    fill_one(to, i + 1, b);
+    fill_one(to, i + 2, c);
+    fill_one(to, i + 3, d);
+}
+#endif
+
+/* The bounds of entry i; fetches those of one further on. (Slots may be read behind the last.) */
+static inline const struct bounds *bounds_of_entry(const struct bounds_by_slot *bounds, const uint32_t *id, size_t i)
+{
+    enum { AHEAD = 12 };
+    prefetch(bounds_of_slot(bounds, row_slot(id[i + AHEAD])));
+    return bounds_of_slot(bounds, row_slot(id[i]));
+}
+
 /* Writes the bounds of entries first ... last - 1. */
 static void fill_rows(void *context, struct worker *w, size_t first, size_t last)
 {
-    enum { AHEAD = 24 };
     const struct pruning *j = context;
+    const struct bounds_by_slot bounds = j->bounds;
     const uint32_t *axis = j->rows->axis, *id = j->set->id;
-    int32_t *min[3], *max[3]; /* by axis of the boxes */
+    struct columns to;
+    size_t i = first;
     (void)w;
     for (int k = 0; k < 3; k++) {
-        min[axis[k]] = j->set->min[k];
-        max[axis[k]] = j->set->max[k];
+        to.min[axis[k]] = j->set->min[k];
+        to.max[axis[k]] = j->set->max[k];
     }
-    for (size_t i = first; i < last; i++) {
-        const struct bounds *b = bounds_of_slot(&j->bounds, row_slot(id[i]));
-        if (i + AHEAD < last) prefetch(bounds_of_slot(&j->bounds, row_slot(id[i + AHEAD])));
-        min[0][i] = b->min[0];
-        min[1][i] = b->min[1];
-        min[2][i] = b->min[2];
-        max[0][i] = b->max[0];
-        max[1][i] = b->max[1];
-        max[2][i] = b->max[2];
-    }
+    for (; last - i >= 4; i += 4)
+        fill_four(&to, i, bounds_of_entry(&bounds, id, i), bounds_of_entry(&bounds, id, i + 1),
+                  bounds_of_entry(&bounds, id, i + 2), bounds_of_entry(&bounds, id, i + 3));
+    for (; i < last; i++) fill_one(&to, i, bounds_of_entry(&bounds, id, i));
 }
 
 /* ---------------------------------------------------------------- the whole */

@@ -90,11 +90,13 @@ static inline gaps gaps_between(const struct box *box, const msap_pair *pair)
     return gaps_of(&box[slot_of(pair->a)].now, &box[slot_of(pair->b)].now);
 }
 
-/* Whether four pairs of live boxes overlap now. */
-static inline int are_pairs(const struct box *box, const msap_pair *pair)
+/* Of four pairs of live boxes, settles those that do not overlap now. */
+static inline void touch_four(struct settler *s, const struct box *box, const msap_pair *pair)
 {
-    return overlaps_of(gaps_between(box, pair), gaps_between(box, pair + 1), gaps_between(box, pair + 2),
-                       gaps_between(box, pair + 3)) == 15;
+    uint32_t are = overlaps_of(gaps_between(box, pair), gaps_between(box, pair + 1), gaps_between(box, pair + 2),
+                               gaps_between(box, pair + 3));
+    for (uint32_t gone = are ^ 15; gone > 0; gone >>= 1, pair++)
+        if (gone & 1) msap_settle_change(s, pair_key(slot_of(pair->a), slot_of(pair->b)), 0);
 }
 
 /* Nearly all known pairs are still pairs: so, where no box was removed, they are looked at by fours. */
@@ -102,14 +104,10 @@ static void touch_known(void *context, struct worker *w, size_t first, size_t la
 {
     const struct job *job = context;
     const struct box_table *t = job->boxes;
-    const struct box *box = t->at;
     const msap_pair *pair = job->pairs->at;
-    size_t i = first;
+    size_t i = first, fours = t->removed.head == NONE ? (last - first) / 4 : 0;
     w->settler.touched += last - first;
-    for (; t->removed.head == NONE && last - i >= 4; i += 4) {
-        if (are_pairs(box, pair + i)) continue;
-        for (size_t k = i; k < i + 4; k++) touch_known_pair(t, &w->settler, &pair[k]);
-    }
+    for (; fours > 0; fours--, i += 4) touch_four(&w->settler, t->at, pair + i);
     for (; i < last; i++) touch_known_pair(t, &w->settler, &pair[i]);
 }
 
