@@ -19,7 +19,7 @@ CORE = src/axis.c src/box.c src/candidates.c src/cell.c src/change.c src/choose.
     src/near.c src/number.c src/pairs.c src/partners.c src/phase.c src/pool.c src/prune.c src/prune_api.c \
     src/ranges.c src/read.c src/rebuild.c src/renew.c src/rest.c src/restless.c src/rows.c src/sap.c src/settle.c \
     src/share.c src/shift.c src/simd.c src/skin.c src/slide.c src/sort.c src/status.c \
-    src/touch.c src/track.c src/update.c src/validate.c src/world.c
+    src/touch.c src/track.c src/update.c src/validate.c src/wide.c src/world.c
 TOOL = tools/main.c tools/player.c tools/replay.c tools/setup.c tools/stream.c tools/trace.c \
     examples/thread_pool.c
 LCM_BINDING = bindings/lcm/multisap_lcm.c

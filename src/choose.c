@@ -55,7 +55,8 @@ enum {
     STRAY_CANDIDATE = 10,   /* and each of its candidates */
     JUMP_BOX = 16,          /* a box when all are pruned, */
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
-    JUMP_PAIR = 5,          /* and a pair */
+    JUMP_PAIR = 5,          /* and a pair; */
+    WIDE_BOX = 4,           /* and so many that each of them is tested against as a wide one */
     RESTLESS_BOX = 60,      /* a box that is pruned while others are not, */
     KNOWN_PAIR = 1,         /* and a known pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
@@ -98,17 +99,20 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
     return tests * dearness((size_t)boxes) / ONE;
 }
 
-/* How many boxes are wide, as far as is known: those that were long ago may have gone. */
-static int64_t count_wide(const struct grid *g)
+/* How many boxes are wide, and are when they have skins, as far as is known: those that were long ago may have
+ * gone. */
+static int is_wide_known(const struct grid *g)
 {
     enum { LONG_AGO = 256 };
-    return g->commit - g->wide_found_in < LONG_AGO ? (int64_t)g->wide_found : 0;
+    return g->commit - g->wide_found_in < LONG_AGO;
 }
+static int64_t count_wide(const struct grid *g) { return is_wide_known(g) ? (int64_t)g->wide_found : 0; }
+static int64_t count_wide_skins(const struct grid *g) { return is_wide_known(g) ? (int64_t)g->wide_pruned : 0; }
 
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
     int64_t boxes = (int64_t)job->boxes->live, pairs = (int64_t)job->pairs->active;
-    int64_t jump_box = (g->rows.count[1] == 1 ? JUMP_BOX_IN_LINE : JUMP_BOX) + count_wide(g) / 4;
+    int64_t jump_box = (g->rows.count[1] == 1 ? JUMP_BOX_IN_LINE : JUMP_BOX) + count_wide(g) / WIDE_BOX;
     struct costs c = {0, boxes * jump_box + pairs * JUMP_PAIR,
                       boxes * REBUILD_BOX + pairs * NEIGHBOURS_A_PAIR * REBUILD_NEIGHBOUR};
     return c;
@@ -208,14 +212,15 @@ static int64_t count_candidates(const struct grid *g, const struct job *job)
 
 /* What it costs to give all boxes new skins in one commit, as dear as to prune them, and what in steps
  * between others. */
-static int64_t cost_at_once(const struct job *job, int64_t candidates)
+static int64_t cost_at_once(const struct grid *g, const struct job *job, int64_t candidates)
 {
-    return RENEW_BOX * (int64_t)job->boxes->live + RENEW_CANDIDATE * candidates;
+    int64_t box = RENEW_BOX + count_wide_skins(g) / WIDE_BOX;
+    return box * (int64_t)job->boxes->live + RENEW_CANDIDATE * candidates;
 }
 
-static int64_t cost_of_renewal(const struct job *job, int64_t candidates)
+static int64_t cost_of_renewal(const struct grid *g, const struct job *job, int64_t candidates)
 {
-    return cost_at_once(job, candidates) * dearness(job->boxes->live) / ONE;
+    return cost_at_once(g, job, candidates) * dearness(job->boxes->live) / ONE;
 }
 
 /* What a commit costs in which no box leaves its skin. */
@@ -228,7 +233,7 @@ static int64_t cost_in_skins(const struct job *job, int64_t candidates)
 static int can_renew(const struct grid *g, const struct job *job)
 {
     enum { FEW = 256 };
-    return job->boxes->live >= FEW && count_wide(g) <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
+    return job->boxes->live >= FEW && count_wide_skins(g) <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
 }
 
 /* Whether they may be now. */
@@ -278,13 +283,22 @@ static struct foresight foresee(const struct grid *g, uint32_t horizon)
     return f;
 }
 
+/* How many candidates there would be if skins were so many times as large as boxes. Those of wide boxes grow as on
+ * one axis: as those of a wall do. */
+static int64_t foreseen_candidates(const struct grid *g, const struct job *job, double growth)
+{
+    int64_t pairs = (int64_t)job->pairs->active, of_wide = count_wide(g) > 0 ? msap_wide_pairs(g, job->pairs) : 0;
+    double more = (double)(pairs - of_wide) * (growth - 1) + (double)of_wide * (growth - 1) / 3;
+    return pairs + (int64_t)more;
+}
+
 /* What a commit costs if skins are made for so many commits and renewed over and over. */
 static int64_t foreseen_upkeep(const struct grid *g, const struct job *job, uint32_t horizon)
 {
     struct foresight f = foresee(g, horizon);
     int64_t commits = (int64_t)horizon - renewal_steps(job, horizon);
-    int64_t candidates = (int64_t)((double)job->pairs->active * f.growth);
-    return cost_in_skins(job, candidates) + cost_of_renewal(job, candidates) / (commits < 1 ? 1 : commits) +
+    int64_t candidates = foreseen_candidates(g, job, f.growth);
+    return cost_in_skins(job, candidates) + cost_of_renewal(g, job, candidates) / (commits < 1 ? 1 : commits) +
            (int64_t)(f.leaving * (double)job->boxes->live * (double)cost_of_stray(job, candidates));
 }
 
@@ -363,7 +377,7 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
     struct upkeep *u = &g->upkeep;
     if (!may_renew(g, job) || g->quiet > 0) return 0;
     if (g->in_skins && u->is_first) choose_horizon(g, job, HORIZON_MOST);
-    int64_t age = g->commit - u->since, renewal = cost_of_renewal(job, count_candidates(g, job)),
+    int64_t age = g->commit - u->since, renewal = cost_of_renewal(g, job, count_candidates(g, job)),
             steps = renewal_steps(job, u->horizon);
     if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - steps) > renewal * age;
     if (!g->in_skins || steps == 0) return 0;
@@ -394,7 +408,7 @@ void msap_renewal_was_made(struct grid *g, const struct job *job, int is_at_once
 {
     struct upkeep *u = &g->upkeep;
     int64_t vain = (int64_t)g->candidates.n - (int64_t)job->pairs->active;
-    int64_t renewal = cost_of_renewal(job, (int64_t)g->candidates.n);
+    int64_t renewal = cost_of_renewal(g, job, (int64_t)g->candidates.n);
     msap_upkeep_starts(g);
     if (u->is_first && is_at_once) return; /* the first skins say little about those for motion */
     u->is_first = 0;
@@ -472,7 +486,7 @@ static int64_t upkeep_in_steps(const struct grid *g, const struct job *job, int6
     int64_t pairs = (int64_t)job->pairs->active, vain = (int64_t)g->candidates.n - pairs;
     int64_t n = commits < IN_STEPS ? pairs + vain * IN_STEPS / commits : pairs + vain;
     int64_t left = IN_STEPS - renewal_steps(job, IN_STEPS);
-    return cost_in_skins(job, n) + cost_of_renewal(job, n) / (left < 1 ? 1 : left);
+    return cost_in_skins(job, n) + cost_of_renewal(g, job, n) / (left < 1 ? 1 : left);
 }
 
 /* While boxes rest in their skins. All get new ones in this commit if the present ones have come to cost more in
@@ -490,7 +504,7 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     if (g->commit < u->not_before) return JUMP_OR_REBUILD;
     int64_t age = g->commit + 1 - u->since; /* this is the age-th commit with them */
     int64_t tests = cost_in_skins(job, (int64_t)g->candidates.n), moves = c->track - tests;
-    int64_t renewal = cost_at_once(job, (int64_t)g->candidates.n);
+    int64_t renewal = cost_at_once(g, job, (int64_t)g->candidates.n);
     int64_t cost = renewal + u->spent - moves + tests * (age - 1);
     int is_short = !is_in_steps(u->is_first ? u->horizon : u->made_for);
     int is_due =

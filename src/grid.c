@@ -121,7 +121,7 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     msap_partners_free(g, m);
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
-    g->wide_found = 0;
+    g->wide_found = g->wide_pruned = 0;
     g->slots = slots;
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
 }

@@ -784,7 +784,7 @@ struct layout {
     uint32_t chosen_at; /* the commit in which it was */
 };
 
-enum { MOST_WIDE = 64 }; /* boxes that touch too many rows to be in any */
+enum { MOST_WIDE = 256 }; /* boxes that touch too many rows to be in any */
 
 /* Rows along a sweep axis, by cells on the other two (jump.c). */
 struct rows {
@@ -912,8 +912,10 @@ struct renewal {
     struct row_set set;
     struct pruning pruning; /* of all boxes by these, from one step to the next; */
     struct scratch words;   /* what it works in */
-    size_t swept;           /* entries that were; */
-    struct keys found;      /* candidates of these */
+    uint32_t wide[MOST_WIDE]; /* the wide boxes of it */
+    size_t swept;             /* entries and then, each as so many (renew.c), wide boxes that were; */
+    struct keys found;        /* candidates of these, */
+    size_t by_rows;           /* the first of which so many are of entries */
 };
 
 /* What skins cost (choose.c), in tests, and how long they last. */
@@ -983,7 +985,8 @@ struct grid {
     size_t n_wide;
     struct restless restless;
     struct partners partners;
-    size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last, */
+    size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last; */
+    size_t wide_pruned;     /* and how many, if they had skins, with these; */
     uint32_t wide_found_in; /* in which commit */
     struct keys known;      /* if knows_pairs, the keys of all active pairs, sorted */
     int knows_pairs;
@@ -1047,6 +1050,7 @@ void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, size_t last, size_t step);
 double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
+void msap_skin_make_wide(const struct grid *g, struct bounds *fat, uint32_t slot, float others);
 void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new);
 void msap_skin_first(const struct grid *g, uint32_t slot);
 int msap_skin_is_far_wider(const struct grid *g, uint32_t slot);
@@ -1116,6 +1120,8 @@ void msap_partners_forget(struct grid *g);
 void msap_partners_free(struct grid *g, struct memory *m);
 const char *msap_partners_broken(const struct grid *g, const struct pair_table *pairs);
 int msap_grid_prune_restless(struct grid *g, struct job *job);
+void msap_wide_note(struct grid *g, const struct pruning *p);
+int64_t msap_wide_pairs(const struct grid *g, const struct pair_table *pairs);
 void msap_restless_forget(struct grid *g);
 void msap_restless_free(struct grid *g, struct memory *m);
 const char *msap_restless_broken(const struct grid *g);

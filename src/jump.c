@@ -18,7 +18,7 @@
  * 2. Each row is swept: from each box over those behind it until one starts after its
  *    end, up to sixteen at a time. Two boxes that meet in several rows are taken where, on both
  *    axes across, one of them starts: that is one row.
- * 3. Wide boxes, which touch many rows, are in none; each is tested against all. Where there
+ * 3. Wide boxes, which touch many rows, are in none; each is tested against all (wide.c). Where there
  *    are many such boxes this is not the way, and the grid must be rebuilt. */
 #include "rows.h"
 
@@ -112,65 +112,11 @@ static void sweep_rows(void *context, struct worker *w, size_t first, size_t las
     msap_rows_sweep(j->pruning.set, j->pruning.rows, j->grid->sweeps.row, first, last, take, j, w);
 }
 
-/* The bounds by which a box is pruned. */
-static struct readable bounds_of(const struct jump *j, uint32_t slot)
-{
-    struct readable r = {j->has_skins ? j->grid->renewal.fat[slot] : j->job->boxes->at[slot].now, 0};
-    return r;
-}
-
-/* Asks a row for a wide box. Some boxes are found in two rows. */
-static size_t ask_row(const void *context, struct worker *w, const struct row_question *q, size_t row, size_t n)
-{
-    const struct jump *j = context;
-    const struct row_set *set = j->pruning.set;
-    uint32_t found[ENTRIES_ASKED + FOUND_SLACK];
-    struct pair_buffer taken;
-    struct row_sweep at = {.i = row_start(set, row), .end = set->end[row]};
-    while (at.i < at.end) {
-        size_t more = j->grid->sweeps.ask_row(set, q, &at, found);
-        taken.n = 0;
-        for (size_t i = 0; i < more; i++) {
-            if (w->tag[found[i]] == w->token) continue;
-            w->tag[found[i]] = w->token;
-            taken.a[taken.n] = q->self;
-            taken.b[taken.n++] = found[i];
-        }
-        take(j, w, &taken);
-        n += more;
-    }
-    return n;
-}
-
-/* Tests a wide box against those before it. */
-static void test_wide_ones(const struct jump *j, struct worker *w, size_t i, const struct bounds *own)
-{
-    const struct box *box = j->job->boxes->at;
-    const uint32_t *wide = j->pruning.wide;
-    struct pair_buffer taken;
-    taken.n = 0;
-    for (size_t k = 0; k < i; k++) {
-        const struct readable other = bounds_of(j, wide[k]);
-        if (!overlap(own, &other.bounds) || (box[wide[i]].flags & box[wide[k]].flags & BOX_STATIC)) continue;
-        taken.a[taken.n] = wide[i];
-        taken.b[taken.n++] = wide[k];
-    }
-    take(j, w, &taken);
-}
-
-/* Tests wide boxes first ... last - 1 against those before and against all rows. */
+/* Tests wide boxes first ... last - 1 (wide.c). */
 static void test_wide(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct jump *j = context;
-    const uint32_t *wide = j->pruning.wide;
-    for (size_t i = first; i < last; i++) {
-        const struct readable own = bounds_of(j, wide[i]);
-        uint32_t is_static = j->job->boxes->at[wide[i]].flags & BOX_STATIC;
-        const struct row_question q = {.lacks = is_static ? ROW_MOVES : 0, .self = wide[i]};
-        test_wide_ones(j, w, i, &own.bounds);
-        msap_worker_new_token(w);
-        msap_rows_ask(j->pruning.rows, &own.bounds, &q, ask_row, j, w, 0);
-    }
+    msap_wide_test(&j->pruning, &j->grid->sweeps, first, last, take, j, w);
 }
 
 /* ---------------------------------------------------------------- the whole */
@@ -220,8 +166,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
     msap_restless_forget(g);
     msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
-    g->wide_found = p->n_wide;
-    g->wide_found_in = g->commit;
+    msap_wide_note(g, p);
     if (p->n_wide > MOST_WIDE) return UNSUITED;
     g->n_wide = p->n_wide;
     memcpy(g->wide, p->wide, p->n_wide * sizeof *g->wide);

@@ -15,10 +15,10 @@
  *
  * 1. The skins to come are made, in two steps.
  * 2. The boxes are sorted into rows by them (rows.c), in four steps.
- * 3. The rows are swept, in one step or several.
+ * 3. The rows are swept, and wide boxes tested (wide.c), in one step or several.
  * 4. The new skins, rows and candidates take the place of the present ones. All boxes leave their cells,
- *    and rest in the rows. Then those that have come meanwhile, or are outside their new skin
- *    already, are put into cells (move.c), and so are wide ones, which are in no row.
+ *    and rest in the rows, but for wide ones, which are put into cells. Then those that have come meanwhile, or are
+ *    outside their new skin already, are put there, too (move.c).
  *
  * Where the present skins or those to come do not last long, some commits take two of these steps.
  *
@@ -125,6 +125,16 @@ static void lend_scratch(struct renewal *r, struct job *job)
     *job->scratch = words;
 }
 
+/* The skins of wide boxes are made anew, now that it is known which these are: most others are no larger than a row
+ * is wide. */
+static void fit_wide(struct grid *g)
+{
+    const struct renewal *r = &g->renewal;
+    const float *scale = r->rows.scale;
+    float finest = scale[0] > scale[1] ? scale[0] : scale[1];
+    for (size_t i = 0; i < r->pruning.n_wide; i++) msap_skin_make_wide(g, r->fat, r->wide[i], 1 / finest);
+}
+
 /* Returns 0 without memory, and where there are many wide boxes. */
 static int count_rows(struct grid *g, struct job *job)
 {
@@ -141,10 +151,11 @@ static int count_rows(struct grid *g, struct job *job)
     msap_rows_choose(p, g->commit, COMMITS);
     lend_scratch(r, job);
     if (!msap_rows_count(p, &r->words)) return 0;
-    g->wide_found = p->n_wide;
-    g->wide_found_in = g->commit;
+    msap_wide_note(g, p);
     if (p->n_wide > MOST_WIDE) return 0;
-    for (size_t i = 0; i < p->n_wide; i++) job->boxes->at[p->wide[i]].flags &= ~(uint32_t)BOX_FITTED;
+    memcpy(r->wide, p->wide, p->n_wide * sizeof *r->wide);
+    p->wide = r->wide; /* which outlasts the room that it stood in */
+    fit_wide(g);
     return 1;
 }
 
@@ -170,7 +181,7 @@ static int list_rows(struct grid *g, struct job *job)
 static int fill_rows(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    r->swept = r->found.n = 0;
+    r->swept = r->found.n = r->by_rows = 0;
     msap_rows_fill(pruning_of(g, job));
     return msap_rows_note_reach(&r->set, &r->rows, job->memory) &&
            msap_keys_reserve(&r->found, job->memory, g->candidates.n); /* as many as now, mostly */
@@ -187,7 +198,7 @@ static void take(const void *context, struct worker *w, const struct pair_buffer
     w->pairs.n += found->n;
 }
 
-/* Entries from one on. */
+/* Entries, or wide boxes, from one on. */
 struct swept {
     const struct grid *grid;
     size_t from;
@@ -201,15 +212,51 @@ static void sweep(void *context, struct worker *w, size_t first, size_t last)
     msap_rows_sweep(&r->set, &r->rows, s->grid->sweeps.row, s->from + first, s->from + last, take, NULL, w);
 }
 
+/* Tests wide boxes first ... last - 1 from there on. */
+static void test_wide(void *context, struct worker *w, size_t first, size_t last)
+{
+    const struct swept *s = context;
+    msap_wide_test(&s->grid->renewal.pruning, &s->grid->sweeps, s->from + first, s->from + last, take, NULL, w);
+}
+
+/* As how many entries a wide box counts, and how many there are then. */
+static size_t weight_of_wide(const struct pruning *p)
+{
+    enum { SHARE = 16 };
+    return p->entries / SHARE + 1;
+}
+
+static size_t count_swept(const struct pruning *p) { return p->entries + p->n_wide * weight_of_wide(p); }
+
+/* Which of the wide boxes is next when so much has been swept. */
+static size_t next_wide(const struct pruning *p, size_t swept)
+{
+    return swept > p->entries ? (swept - p->entries) / weight_of_wide(p) : 0;
+}
+
+/* Finds candidates until so much has been swept. Returns 0 without memory. */
+static int sweep_to(struct grid *g, struct job *job, size_t end)
+{
+    struct renewal *r = &g->renewal;
+    const struct pruning *p = pruning_of(g, job);
+    size_t last = end < p->entries ? end : p->entries, wide = next_wide(p, r->swept);
+    struct swept entries = {g, r->swept}, wide_ones = {g, wide};
+    if (entries.from < last) {
+        if (!msap_phase_run(job->crew, job->memory, sweep, &entries, last - entries.from, WEIGHT_ROW_BOX)) return 0;
+        r->by_rows = job->worker->pairs.n;
+    }
+    r->swept = end;
+    return msap_phase_run(job->crew, job->memory, test_wide, &wide_ones, next_wide(p, end) - wide,
+                          job->boxes->live * WEIGHT_TOUCH);
+}
+
 /* The more candidates boxes have, the more steps it takes. Returns 0 without memory. */
 static int find_candidates(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    size_t share = r->pruning.entries / sweep_steps(job) + 1, left = r->pruning.entries - r->swept;
-    struct swept part = {g, r->swept};
-    r->swept += share < left ? share : left;
+    size_t all = count_swept(&r->pruning), share = all / sweep_steps(job) + 1, left = all - r->swept;
     keys_exchange(&job->worker->pairs, &r->found);
-    int done = msap_phase_run(job->crew, job->memory, sweep, &part, r->swept - part.from, WEIGHT_ROW_BOX);
+    int done = sweep_to(g, job, r->swept + (share < left ? share : left));
     keys_exchange(&job->worker->pairs, &r->found);
     return done && r->found.n <= UINT32_MAX; /* GCOVR_EXCL_BR_LINE: what is named by more bits takes 32 GB */
 }
@@ -232,7 +279,7 @@ static int change_over(struct grid *g, struct job *job)
     g->rows = r->rows;
     g->row_set = r->set;
     g->candidates = r->found;
-    g->untold = r->is_told ? 0 : g->candidates.n;
+    g->untold = r->is_told ? 0 : r->by_rows;
     r->set = set;
     r->found = candidates;
     g->is_tracking = g->is_resting = g->in_skins = g->rows_hold_skins = 1;
@@ -270,6 +317,34 @@ static void take_ahead(struct grid *g, struct memory *m)
         memset(r->found.at, 0, r->found.room * sizeof *r->found.at);
 }
 
+/* The candidates of wide boxes, which are the last ones, are told what they are; those with a box that is outside
+ * its new skin, or has none, are dropped: others will be found for it. */
+static void tell_wide(struct grid *g)
+{
+    const struct box *box = g->boxes->at;
+    struct keys *c = &g->candidates;
+    size_t n = g->untold;
+    for (size_t i = n; i < c->n; i++) {
+        const struct box *p = &box[c->at[i] >> 32], *q = &box[(uint32_t)c->at[i]];
+        c->at[n] = c->at[i] | (overlap(&p->now, &q->now) ? NEAR_PAIR : 0);
+        n += (p->flags & q->flags & BOX_LIVE) && !box_has_left(p) && !box_has_left(q);
+    }
+    c->n = n;
+}
+
+/* The wide boxes that rest in their new skins are put into cells. Returns 0 without memory. */
+static int enter_wide(struct grid *g, const struct job *job)
+{
+    struct renewal *r = &g->renewal;
+    size_t n = 0;
+    for (size_t i = 0; i < r->pruning.n_wide; i++) {
+        const struct box *b = &g->boxes->at[r->wide[i]];
+        r->wide[n] = r->wide[i];
+        n += (b->flags & BOX_LIVE) && !box_has_left(b);
+    }
+    return msap_enter_all(g, job, r->wide, n);
+}
+
 /* Returns 0 without memory. */
 static int install(struct grid *g, struct job *job)
 {
@@ -278,10 +353,10 @@ static int install(struct grid *g, struct job *job)
     g->moves += t->live;
     if (!change_over(g, job)) return 0;
     msap_skins_put_on(g, t, are_new);
-    job->worker->pairs.n = 0; /* no candidate is dropped */
-    int done = g->renewal.is_told ? msap_enter_all(g, job, t->left, t->n_left)
-                                  : msap_place_all(g, job, t->left, t->n_left) &&
-                                        msap_candidates_find(g, job, t->left, t->n_left);
+    if (!g->renewal.is_told) tell_wide(g);
+    job->worker->pairs.n = 0; /* no candidate is dropped any more */
+    int done = enter_wide(g, job) && msap_place_all(g, job, t->left, t->n_left) &&
+               msap_candidates_find(g, job, t->left, t->n_left);
     for (size_t i = 0; i < t->n_left; i++) t->at[t->left[i]].left = STAYED;
     t->n_left = 0;
     if (has_much(g)) give_back(g, job);
@@ -294,7 +369,7 @@ static int install(struct grid *g, struct job *job)
 /* The step after one that was done. */
 static enum renewal_step step_after(const struct renewal *r, enum renewal_step now)
 {
-    if (now == SWEEP_ROWS && r->swept < r->pruning.entries) return now;
+    if (now == SWEEP_ROWS && r->swept < count_swept(&r->pruning)) return now;
     return now == CHANGE_SKINS || now == TRY_SKINS ? NO_RENEWAL : now + 1;
 }
 

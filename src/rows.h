@@ -46,7 +46,7 @@ static inline struct row_span rows_of(const struct rows *r, const struct bounds 
     return s;
 }
 
-/* ------------------------------------------------ rows.c, ranges.c, kept.c */
+/* ------------------------------------------------ rows.c, ranges.c, kept.c, wide.c */
 
 enum { MOST_ROWS = 8 }; /* that a box may touch which is not wide */
 
@@ -62,6 +62,9 @@ typedef size_t (*ask_one_row_fn)(const void *context, struct worker *w, const st
 
 /* Receives pairs that are found. */
 typedef void (*take_pairs_fn)(const void *context, struct worker *w, const struct pair_buffer *found);
+
+void msap_wide_test(const struct pruning *p, const struct sweeps *sweeps, size_t first, size_t last,
+                    take_pairs_fn take, const void *context, struct worker *w);
 
 int msap_kept_are_told(const struct pruning *p);
 int msap_kept_are_most(const struct pruning *p);

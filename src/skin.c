@@ -344,8 +344,9 @@ enum { STEADY_SIZES = 3 /* of its own that a box may reach ahead if it moves as 
 
 /* Makes the skin of a box, which is its bounds before, to last as long as all others', between commits: it may be
  * far longer than the box if that moved as was foreseen before. A box that is new may move anywhere; one that
- * stands still may tremble; and a step of floats that are far apart is soon made. */
-static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct bounds *fat)
+ * stands still may tremble; and a step of floats that are far apart is soon made. The skin of one that is larger
+ * than `largest` is as if it were not. */
+static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, float largest, struct bounds *fat)
 {
     enum { STEP_ASIDE = 2 };
     const struct box *b = &g->boxes->at[slot];
@@ -354,10 +355,12 @@ static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, struct
         return;
     }
     struct motion m = motion_of(g, slot);
+    int has_end = m.size < FAR;
+    if (m.size > largest) m.size = largest;
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
     float least = m.size * (float)(has_come(g->boxes, slot) ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
-    if (m.size < FAR) reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
+    if (has_end) reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
     else *fat = b->now;
 }
 
@@ -372,9 +375,16 @@ void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, siz
             continue;
         }
         if (box_has_left(b) && b->flags & BOX_FITTED && b->wobble < WOBBLE_MOST) b->wobble++;
-        skin_ahead(g, (uint32_t)slot, &fat[slot]);
+        skin_ahead(g, (uint32_t)slot, FAR, &fat[slot]);
         b->flags |= BOX_FITTED;
     }
+}
+
+/* Makes the skin of a box that is far larger than most others: it meets so many that its skin must not be wider
+ * than theirs are, which are mostly not larger than so. */
+void msap_skin_make_wide(const struct grid *g, struct bounds *fat, uint32_t slot, float others)
+{
+    skin_ahead(g, slot, others, &fat[slot]);
 }
 
 /* How many times the size of the box such a skin would be, made for so many commits: on all axes in which the box
@@ -456,12 +466,11 @@ void msap_skins_put_on(const struct grid *g, struct box_table *t, int are_new)
         int is_within = b->flags & BOX_FITTED && contains(&r->fat[slot], &b->now);
         if (b->level == NO_LEVEL) skin_was_right(g, slot);
         b->level = NO_LEVEL;
-        b->fat = r->is_told || b->flags & BOX_FITTED ? r->fat[slot] : b->now;
+        b->fat = b->flags & BOX_FITTED ? r->fat[slot] : b->now;
         if (is_within) {
             skin_starts(g, slot, are_new);
         } else {
             if (are_new) b->flags &= ~(uint32_t)BOX_FITTED; /* it has had no skin from which to learn */
-            if (r->is_told) start(g, slot, HORIZON_MOST);   /* it gets no other skin */
             box_mark_left(t, slot);
         }
     }

@@ -799,6 +799,46 @@ static int compare_pairs(const void *p, const void *q)
     return pair_order(p, q);
 }
 
+/* Sorts few pairs. */
+static void insert_pairs(msap_pair *pairs, size_t count)
+{
+    size_t i, k;
+    for (i = 1; i < count; i++) {
+        const msap_pair inserted = pairs[i];
+        for (k = i; k > 0 && pair_order(&pairs[k - 1], &inserted) > 0; k--)
+            pairs[k] = pairs[k - 1];
+        pairs[k] = inserted;
+    }
+}
+
+/* A sorted copy of pairs, or NULL if one of them names no slot: by the lower box first, of which most have few. */
+static msap_pair *sorted_pairs(const msap_pair *pairs, size_t count, size_t slots)
+{
+    enum { FEW = 32 };
+    msap_pair *sorted = malloc(count * sizeof *sorted);
+    size_t *end = calloc(slots + 1, sizeof *end), i;
+    if (!sorted || !end)
+        abort();
+    for (i = 0; i < count && pairs[i].a >> 32 < slots; i++)
+        end[(pairs[i].a >> 32) + 1]++;
+    for (slots = i < count ? 0 : slots, i = 0; i < slots; i++)
+        end[i + 1] += end[i];
+    for (i = 0; i < count && slots > 0; i++)
+        sorted[end[pairs[i].a >> 32]++] = pairs[i]; /* ends are where the next ones start then */
+    for (i = 0; i < slots; i++) {
+        size_t start = i > 0 ? end[i - 1] : 0, n = end[i] - start;
+        if (n > FEW)
+            qsort(sorted + start, n, sizeof *sorted, compare_pairs);
+        else
+            insert_pairs(sorted + start, n);
+    }
+    free(end);
+    if (slots > 0)
+        return sorted;
+    free(sorted);
+    return NULL;
+}
+
 static const char *compare_active(const session *s)
 {
     const reference *r = &s->reference;
@@ -812,11 +852,9 @@ static const char *compare_active(const session *s)
         return "there are not as many active pairs as in the reference";
     if (!count)
         return NULL;
-    sorted = malloc(count * sizeof *sorted);
+    sorted = sorted_pairs(pairs, count, r->slot_count);
     if (!sorted)
-        abort();
-    memcpy(sorted, pairs, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_pairs);
+        return "an active pair names no slot";
     for (i = 0; i < count && !wrong; i++)
         if (pair_order(&sorted[i], &r->pairs[i]) != 0)
             wrong = "an active pair is not the reference's";

@@ -276,7 +276,7 @@ END_TEST
 
 /* A crowd over many rows; each of the last ones spans all of them in the frames in
  * which they are giants. */
-enum { JUMPERS = 600, GIANTS = 100 };
+enum { JUMPERS = 900, GIANTS = 300 };
 
 static box in_crowd(uint64_t *random, int is_giant)
 {
@@ -284,7 +284,7 @@ static box in_crowd(uint64_t *random, int is_giant)
     return is_giant ? box_of(x, -INF, 0, x + 0.125f, INF, 1) : box_of(x, y, 0, x + 1, y + 1, 1);
 }
 
-/* Where all jumps nothing is kept, so there are no neighbours; but a hundred giants are too
+/* Where all jumps nothing is kept, so there are no neighbours; but three hundred giants are too
  * many to be compared with all: then neighbours are found in cells. */
 START_TEST(many_giants_where_all_jumps)
 {

@@ -694,12 +694,12 @@ START_TEST(giants_are_not_pruned)
     int i;
     choose_crowd(1);
     open_crowd(&s, MSAP_MARGIN_AUTO);
-    for (i = 0; i < 70; i++)
+    for (i = 0; i < 300; i++)
         right(session_add(&s, &all, 0, &giant));
     right(session_commit(&s));
-    commits_that_track(&s, SOME | FAST, 0, 2);
+    commits_that_track(&s, FEW | FAST, 0, 2);
     sweeps = stats_of(s.world).sweeps;
-    ck_assert_int_eq(commits_that_track(&s, SOME | FAST, 0, 12), 12);
+    ck_assert_int_eq(commits_that_track(&s, FEW | FAST, 0, 12), 12);
     ck_assert_uint_eq(stats_of(s.world).sweeps, sweeps);
     commits_that_track(&s, ALL | FAST, 0, 3);
     ck_assert_uint_gt(stats_of(s.world).cells, 0);

@@ -10,7 +10,7 @@
 #undef box
 #include "checks.h"
 
-enum { MOST = 900 };
+enum { MOST = 2700 };
 
 /* A session, and boxes that tremble. */
 typedef struct crowd {
@@ -286,7 +286,7 @@ START_TEST(rows_are_overwritten_between_the_steps)
     static const float twice[3] = {2, 2, 2}, longer[3] = {1.5f, 1.5f, 1.5f};
     crowd c;
     open_crowd(&c, DEFAULT, 3);
-    put_some(&c, 600);
+    put_some(&c, 2600);
     settle_down(&c, 12);
     remake(&c, same, twice, longer);
     c.s.world->stale = 1; /* so cells and lists are made, as after a commit without memory */
