@@ -369,11 +369,12 @@ enum renewal_pace msap_renewal_pace(const struct grid *g, const struct job *job)
 }
 
 /* After a commit that tracked boxes: whether to renew all skins in steps. That is so when one more commit with the
- * present ones would cost more than their upkeep has cost in each since they were made, renewal included; and
- * when most boxes move but each still has cells of its own, if that has cost more than renewals would. */
+ * present ones would cost more than their upkeep has cost in each since they were made, renewal included; of
+ * first skins at once or, where boxes crawl, when their motion is known; and when most boxes move but each still has
+ * cells of its own, if that has cost more than renewals would. */
 int msap_renewal_is_due(struct grid *g, const struct job *job)
 {
-    enum { SELDOM = 16, NOW_AND_THEN = 2 };
+    enum { SELDOM = 16, NOW_AND_THEN = 2, KNOWN = 8 };
     struct upkeep *u = &g->upkeep;
     if (!may_renew(g, job) || g->quiet > 0) return 0;
     if (g->in_skins && u->is_first) choose_horizon(g, job, HORIZON_MOST);
@@ -381,7 +382,7 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
             steps = renewal_steps(job, u->horizon);
     if (!g->is_resting) return age % SELDOM == 1 && u->spent * (u->horizon - steps) > renewal * age;
     if (!g->in_skins || steps == 0) return 0;
-    if (u->is_first) return 1;
+    if (u->is_first) return age >= KNOWN || !msap_most_crawl(g);
     int is_over = u->lately * age > renewal + u->spent; /* not only soon */
     if (!is_over && age % NOW_AND_THEN != 0) return 0;
     int64_t next = u->move * (int64_t)foreseen_to_leave(g, (uint32_t)steps + 1) / steps;

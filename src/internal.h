@@ -1048,6 +1048,7 @@ int msap_is_outgrown(size_t chosen_for, size_t boxes);
 
 void msap_skin_renew(const struct grid *g, uint32_t slot, uint32_t vain);
 void msap_skins_make(const struct grid *g, struct bounds *fat, size_t first, size_t last, size_t step);
+int msap_most_crawl(const struct grid *g);
 double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits);
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits);
 void msap_skin_make_wide(const struct grid *g, struct bounds *fat, uint32_t slot, float others);

@@ -419,6 +419,21 @@ static int has_crawled(const struct box_table *t, uint32_t slot)
     return n == 3;
 }
 
+/* Whether, of the boxes that moved in the last commit, more crawled than did not: then little is known yet of how they
+ * move. By some of them. */
+int msap_most_crawl(const struct grid *g)
+{
+    enum { SAMPLES = 64 };
+    const struct box_table *t = g->boxes;
+    size_t step = t->used / SAMPLES + 1, crawling = 0, moving = 0;
+    for (uint32_t slot = 0; slot < t->used; slot += (uint32_t)step) {
+        if (!(t->at[slot].flags & BOX_LIVE) || !has_changed(t, slot) || is_new(t, slot)) continue;
+        moving++;
+        crawling += (size_t)has_crawled(t, slot);
+    }
+    return 2 * crawling > moving;
+}
+
 /* Whether a box that is not static leaves its skin within so many commits if it moves on as in the last
  * one. Of one that crawls nothing is foreseen soon after it got its skin. */
 int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits)
