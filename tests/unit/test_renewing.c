@@ -874,6 +874,41 @@ START_TEST(boxes_crawl)
 }
 END_TEST
 
+/* Boxes far from the origin, each of which takes a step of one unit in the last place in some commits: one commit does
+ * not tell how fast they are, so they keep their first skins until more does. */
+START_TEST(first_skins_wait_for_those_who_crawl)
+{
+    enum { KNOWN = 8, ULP = 2 };
+    const uint32_t size[3] = {16, 12, 8};
+    walkers w;
+    open_walk(&w, DEFAULT, 3, 31);
+    for (int i = 0; i < 320; i++) {
+        box b = in_block(&w, size);
+        for (int k = 0; k < 3; k++) {
+            b.min[k] = 16777216 + ULP * (float)(int)(32 * b.min[k]);
+            b.max[k] = b.min[k] + 64;
+        }
+        put(&w, b, 1, 0);
+    }
+    for (int frame = 0; frame < 30; frame++) {
+        for (uint32_t i = 0; i < w.n; i++) {
+            box b = w.bounds[i];
+            for (int k = 0; k < 3; k++) {
+                float now = (float)(int)((float)(frame + 1) * w.step[i][k]), before = (float)(int)((float)frame * w.step[i][k]);
+                b.min[k] += ULP * (now - before);
+                b.max[k] += ULP * (now - before);
+            }
+            set(&w, i, b);
+        }
+        end_frame(&w);
+        ck_assert(grid_of(&w)->in_skins);
+        if (frame < KNOWN) ck_assert(grid_of(&w)->upkeep.is_first && grid_of(&w)->renewal.next == NO_RENEWAL);
+    }
+    ck_assert(!grid_of(&w)->upkeep.is_first);
+    right(session_close(&w.s));
+}
+END_TEST
+
 /* However often skins have not paid, they are tried again one day. */
 START_TEST(all_is_tried_again)
 {
@@ -1043,6 +1078,7 @@ int main(void)
     tcase_add_loop_test(tests, skins_end_at_infinity, 0, SETUPS);
     tcase_add_test(tests, motion_says_next_to_nothing);
     tcase_add_loop_test(tests, boxes_crawl, 0, SETUPS);
+    tcase_add_test(tests, first_skins_wait_for_those_who_crawl);
     tcase_add_test(tests, all_is_tried_again);
     tcase_add_test(tests, junk_in_memory_means_nothing);
     tcase_add_test(tests, broken_candidates);
