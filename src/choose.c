@@ -56,7 +56,7 @@ enum {
     JUMP_BOX = 16,          /* a box when all are pruned, */
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
     JUMP_PAIR = 5,          /* and a pair; */
-    WIDE_BOX = 4,           /* and so many that each of them is tested against as a wide one */
+    WIDE_BOX = 4,           /* in one test a wide box is tested against so many others */
     RESTLESS_BOX = 60,      /* a box that is pruned while others are not, */
     KNOWN_PAIR = 1,         /* and a known pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
@@ -99,15 +99,16 @@ static int64_t cost_of_tracking(const struct job *job, int64_t moves, int64_t le
     return tests * dearness((size_t)boxes) / ONE;
 }
 
-/* How many boxes are wide, and are when they have skins, as far as is known: those that were long ago may have
- * gone. */
-static int is_wide_known(const struct grid *g)
+/* Whether wide boxes have been counted lately: those that were there long ago may have gone. */
+static int are_wide_known(const struct grid *g)
 {
     enum { LONG_AGO = 256 };
     return g->commit - g->wide_found_in < LONG_AGO;
 }
-static int64_t count_wide(const struct grid *g) { return is_wide_known(g) ? (int64_t)g->wide_found : 0; }
-static int64_t count_wide_skins(const struct grid *g) { return is_wide_known(g) ? (int64_t)g->wide_pruned : 0; }
+
+/* How many boxes are wide, and how many with skins, as far as is known. */
+static int64_t count_wide(const struct grid *g) { return are_wide_known(g) ? (int64_t)g->wide_found : 0; }
+static int64_t count_wide_skins(const struct grid *g) { return are_wide_known(g) ? (int64_t)g->wide_pruned : 0; }
 
 static struct costs costs_of(const struct grid *g, const struct job *job)
 {
@@ -233,7 +234,8 @@ static int64_t cost_in_skins(const struct job *job, int64_t candidates)
 static int can_renew(const struct grid *g, const struct job *job)
 {
     enum { FEW = 256 };
-    return job->boxes->live >= FEW && count_wide_skins(g) <= MOST_WIDE && g->config->strategy == MSAP_STRATEGY_AUTO;
+    return job->boxes->live >= FEW && count_wide_skins(g) <= MOST_WIDE &&
+           g->config->strategy == MSAP_STRATEGY_AUTO;
 }
 
 /* Whether they may be now. */

@@ -910,8 +910,8 @@ struct renewal {
     size_t slots, room_fat;
     struct rows rows;
     struct row_set set;
-    struct pruning pruning; /* of all boxes by these, from one step to the next; */
-    struct scratch words;   /* what it works in */
+    struct pruning pruning;   /* of all boxes by these, from one step to the next; */
+    struct scratch words;     /* what it works in */
     uint32_t wide[MOST_WIDE]; /* the wide boxes of it */
     size_t swept;             /* entries and then, each as so many (renew.c), wide boxes that were; */
     struct keys found;        /* candidates of these, */

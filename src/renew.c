@@ -242,7 +242,8 @@ static int sweep_to(struct grid *g, struct job *job, size_t end)
     size_t last = end < p->entries ? end : p->entries, wide = next_wide(p, r->swept);
     struct swept entries = {g, r->swept}, wide_ones = {g, wide};
     if (entries.from < last) {
-        if (!msap_phase_run(job->crew, job->memory, sweep, &entries, last - entries.from, WEIGHT_ROW_BOX)) return 0;
+        if (!msap_phase_run(job->crew, job->memory, sweep, &entries, last - entries.from, WEIGHT_ROW_BOX))
+            return 0;
         r->by_rows = job->worker->pairs.n;
     }
     r->swept = end;

@@ -183,7 +183,8 @@ static inline void fill_four(const struct columns *to, size_t i, const struct bo
 #endif
 
 /* The bounds of entry i; fetches those of one further on. (Slots may be read behind the last.) */
-static inline const struct bounds *bounds_of_entry(const struct bounds_by_slot *bounds, const uint32_t *id, size_t i)
+static inline const struct bounds *bounds_of_entry(const struct bounds_by_slot *bounds, const uint32_t *id,
+                                                   size_t i)
 {
     enum { AHEAD = 12 };
     prefetch(bounds_of_slot(bounds, row_slot(id[i + AHEAD])));
