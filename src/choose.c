@@ -25,15 +25,16 @@
  * pruned.
  *
  * Renewals take the place of cells in worlds of 256 boxes or more, unless many boxes are wide. A world is
- * put into skins when it is loaded, before any motion is known. From then on skins are renewed when one
- * more commit with the present ones would cost more than they have cost in each so far, their renewal
- * included: sooner, and each commit would pay more for renewals; later, and each would pay more for boxes
- * that leave. Skins that last long are renewed in steps, before boxes leave them, which is told from how
- * some of them move. Where boxes turn and tremble, skins last a few commits; then all get new ones in the
- * commit in which that is due, unless that should take more than two and a half times as long as to prune
- * all. When skins have been dearer than to prune all in every commit, that is done for a while, and for twice
- * as long after the next time. Then some boxes get skins for a trial, and if few leave them, and skins
- * promise to save a quarter, all do.
+ * put into skins when it is loaded, before any motion is known, and into others as soon as it is: where most
+ * boxes crawl that takes some commits. From then on skins are renewed when one more commit with the
+ * present ones would cost more than they have cost in each so far, their renewal included: sooner, and
+ * each commit would pay more for renewals; later, and each would pay more for boxes that leave. Skins that
+ * last long are renewed in steps, before boxes leave them, which is told from how some of them move. Where
+ * boxes turn and tremble, skins last a few commits; then all get new ones in the commit in which that is
+ * due, unless that should take more than two and a half times as long as to prune all. When skins have
+ * been dearer than to prune all in every commit, that is done for a while, and for twice as long after the
+ * next time. Then some boxes get skins for a trial, and if few leave them, and skins promise to save a
+ * quarter, all do.
  *
  * When few boxes move, the others rest as they are: at once, where that costs less than a pruning even if all
  * that move leave their places, or when it would have saved as much as it costs. If those that move are too
