@@ -658,7 +658,8 @@ enum { AT_ONCE, LATER, SPARSE, TURNING, WITH_MORE, WITH_WIDE, WALKS };
 
 /* Boxes walk by up to `step`, and the n-th allocation fails, from the commit on in which all come and are put in
  * skins; or from the next one on: then few may overlap; they may turn soon, so that the skins to come do not suit them
- * any more; or more may come in each commit; or some may be wide. Returns whether there was such an allocation. */
+ * any more; or more may come in each commit; or, from the start, some are wide. Returns whether there was such an
+ * allocation. */
 static size_t walk_without_memory(int row, float step, int how, size_t n)
 {
     const uint32_t size[2][3] = {{16, 12, 8}, {48, 36, 24}};
@@ -667,7 +668,7 @@ static size_t walk_without_memory(int row, float step, int how, size_t n)
     for (int i = 0; i < 260; i++) put(&w, in_block(&w, size[how == SPARSE]), step, i % 8 ? 0 : MSAP_STATIC);
     for (int i = 0; how == WITH_WIDE && i < 12; i++) put(&w, slab(&w), step, i % 8 ? 0 : MSAP_STATIC);
     walk(&w, 0);
-    if (how != AT_ONCE) end_frame(&w);
+    if (how != AT_ONCE && how != WITH_WIDE) end_frame(&w);
     if (how == TURNING) w.turn = 3;
     w.s.memory.fail_at = w.s.memory.calls + n;
     for (int frame = 0; frame < 15; frame++) {
