@@ -182,6 +182,14 @@ static void next_epoch(struct box_table *t)
     t->epoch = 1;
 }
 
+/* Puts the bounds before of the others into `past` too. */
+void msap_boxes_complete_before(struct box_table *t)
+{
+    if (t->n_changed == t->live && t->removed.head == NONE) return; /* all have changed */
+    for (uint32_t slot = 0; slot < t->used; slot++)
+        if (!box_is_changed(t, slot)) t->past[slot].before = t->at[slot].now;
+}
+
 /* The commit succeeded: nothing is changed, and what is now was before. */
 void msap_boxes_committed(struct box_table *t)
 {

@@ -38,8 +38,9 @@
  *
  * When few boxes move, the others rest as they are: at once, where that costs less than a pruning even if all
  * that move leave their places, or when it would have saved as much as it costs. If those that move are too
- * wild for that, and are the same again and again, only they are pruned (restless.c): until boxes that stand
- * still after they have moved have cost as much as to prune all.
+ * wild for that, and mostly the same again and again, only they are pruned (restless.c): until boxes that stand
+ * still after they have moved have cost as much as to prune all. How many others join them is told from some that
+ * changed in the last commit.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -58,7 +59,8 @@ enum {
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
     JUMP_PAIR = 5,          /* and a pair; */
     WIDE_BOX = 4,           /* in one test a wide box is tested against so many others */
-    RESTLESS_BOX = 60,      /* a box that is pruned while others are not, */
+    RESTLESS_BOX = 45,      /* a box that is pruned while others are not, */
+    BOXES_A_ROW = 8,        /* and the row of so many others, */
     KNOWN_PAIR = 1,         /* and a known pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
@@ -124,29 +126,59 @@ static struct costs costs_of(const struct grid *g, const struct job *job)
  * takes a commit which is dear, and foresight is no more than that. */
 static int promises(int64_t upkeep, int64_t jump) { return 4 * upkeep < 3 * jump; }
 
-/* What it costs to prune so many boxes and no others. */
-static int64_t cost_of_restless(const struct job *job, size_t n)
+/* ----------------------------------------------------------- pruning a few */
+
+/* After a commit, while its changed boxes are still listed: some of them are watched, but where most change. */
+void msap_watch(struct grid *g)
 {
-    return (int64_t)n * RESTLESS_BOX + (int64_t)job->pairs->active * KNOWN_PAIR;
+    const struct box_table *t = g->boxes;
+    struct watch *w = &g->watch;
+    size_t step = t->n_changed / MOST_WATCHED + 1;
+    w->n = 0;
+    w->of = 2 * t->n_changed <= t->live ? t->n_changed : 0;
+    for (size_t i = 0; i < w->of; i += step) w->slot[w->n++] = t->changed[i];
 }
 
-/* Whether few boxes change, and to prune them alone should be worth it. */
-static int are_few(const struct job *job, const struct costs *c)
+/* How many boxes change that did not in the last commit: estimated from those that are watched or, while some are
+ * restless, how many joined them in the last one. Where none is watched, nothing is known, and none is expected. */
+size_t msap_count_newcomers(const struct grid *g)
 {
-    return promises(cost_of_restless(job, job->boxes->n_changed), c->jump);
+    const struct box_table *t = g->boxes;
+    const struct watch *w = &g->watch;
+    size_t again = 0;
+    if (g->restless.n > 0) return g->restless.newcomers;
+    for (size_t i = 0; i < w->n; i++) again += w->slot[i] < t->used && box_is_changed(t, w->slot[i]);
+    if (w->n == 0) return 0;
+    again = again * w->of / w->n;
+    return again < t->n_changed ? t->n_changed - again : 0;
 }
 
-/* Whether nearly the same boxes change in each commit, as far as is known. */
-static int are_same(const struct grid *g, const struct job *job)
+/* What it costs to prune so many boxes, wide ones, and no others. */
+static int64_t cost_of_restless(const struct grid *g, const struct job *job, int64_t n)
 {
-    enum { SHARE = 8 };
-    return g->restless.newcomers <= job->boxes->n_changed / SHARE;
+    int64_t boxes = (int64_t)job->boxes->live, of_wide = boxes * count_wide(g) / WIDE_BOX;
+    return n * RESTLESS_BOX + boxes / BOXES_A_ROW + of_wide + (int64_t)job->pairs->active * KNOWN_PAIR;
 }
 
-/* What it costs to prune what must be: all or, where the same few change again and again, them. */
+/* What a commit would cost if those boxes alone that change were pruned over and over, and all now and then, since
+ * those that stand still by then are pruned with them: when that is done best. */
+static int64_t cost_of_a_few(const struct grid *g, const struct job *job, const struct costs *c)
+{
+    enum { LONGEST = 6 };
+    int64_t idle = (int64_t)msap_count_newcomers(g) * RESTLESS_BOX, most = INT64_MAX;
+    for (int k = 0; k <= LONGEST; k++) { /* in every 2^k-th commit */
+        int64_t more = idle * ((1 << k) - 1) / 2 + (c->jump >> k);
+        if (more < most) most = more;
+    }
+    return cost_of_restless(g, job, (int64_t)job->boxes->n_changed) + most;
+}
+
+/* What it costs to prune what must be: all or, where it is known that this is less, a few. */
 static int64_t cost_of_pruning(const struct grid *g, const struct job *job, const struct costs *c)
 {
-    return are_few(job, c) && are_same(g, job) ? cost_of_restless(job, job->boxes->n_changed) : c->jump;
+    int is_known = g->watch.n > 0 || g->restless.n > 0;
+    int64_t few = is_known ? cost_of_a_few(g, job, c) : c->jump;
+    return few < c->jump ? few : c->jump;
 }
 
 /* ------------------------------------------------------------------ foresight */
@@ -168,9 +200,11 @@ static double foreseen_moves(const struct grid *g)
     return moves * (double)step; /* each stands for so many */
 }
 
+/* Those that set out are put elsewhere, too. */
 static int64_t foreseen_cost(const struct grid *g, const struct job *job)
 {
-    return cost_of_tracking(job, (int64_t)(foreseen_moves(g) * (ONE + g->doubt) / ONE), 0);
+    int64_t moves = (int64_t)(foreseen_moves(g) * (ONE + g->doubt) / ONE);
+    return cost_of_tracking(job, moves + (int64_t)msap_count_newcomers(g), 0);
 }
 
 /* Lists have lost much: remembers how many more moves there were than are foreseen. */
@@ -392,7 +426,7 @@ int msap_renewal_is_due(struct grid *g, const struct job *job)
     if (!is_over && next * age <= renewal + u->spent) return 0;
     if (is_over && 2 * (age + steps) < u->made_for) u->horizon = (uint32_t)(age + steps);
     int64_t life = age + steps, tests = cost_in_skins(job, (int64_t)g->candidates.n);
-    int has_paid = renewal + u->spent + tests * life < costs_of(g, job).jump * life;
+    int has_paid = renewal + u->spent + tests * life < u->pruning * life;
     if (!has_paid) msap_renewal_failed(g);
     return has_paid;
 }
@@ -455,8 +489,8 @@ static enum way try_or_jump(struct grid *g, const struct job *job, const struct 
 static enum way prune(const struct grid *g, const struct job *job, const struct costs *c)
 {
     const struct restless *r = &g->restless;
-    int64_t now = cost_of_restless(job, r->order.n), idle = (int64_t)r->idle * RESTLESS_BOX;
-    int may = are_few(job, c) && (are_same(g, job) || r->newcomers == SIZE_MAX);
+    int64_t now = cost_of_restless(g, job, (int64_t)r->n), idle = (int64_t)r->idle * RESTLESS_BOX;
+    int may = cost_of_a_few(g, job, c) < c->jump;
     return may && now + idle < c->jump ? PRUNE_RESTLESS : JUMP_OR_REBUILD;
 }
 
@@ -464,7 +498,7 @@ static enum way prune(const struct grid *g, const struct job *job, const struct 
  * than to prune all, or when it would have paid. Where some are restless all must be pruned before. */
 static enum way rest_or_prune(struct grid *g, const struct job *job, const struct costs *c)
 {
-    int are_calm = g->restless.order.n == 0;
+    int are_calm = g->restless.n == 0;
     int64_t beginning = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0);
     if (!are_calm) beginning += c->jump;
     else if (beginning < c->jump) beginning = 0;
@@ -502,6 +536,7 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     enum { LONG = 4 };
     struct upkeep *u = &g->upkeep;
     int is_quiet = cost_of_tracking(job, (int64_t)job->boxes->n_changed, 0) < c->jump;
+    int64_t pruning = u->pruning = is_quiet ? c->jump : cost_of_pruning(g, job, c); /* or they will rest soon */
     int are_all_live = job->boxes->removed.head == NONE; /* so that lists can be made of them */
     g->quiet = is_quiet ? g->quiet + 1 : 0;
     if (g->quiet > (u->is_first ? 0 : LONG) && are_all_live) return REST;
@@ -512,11 +547,11 @@ static enum way choose_in_skins(struct grid *g, const struct job *job, const str
     int64_t cost = renewal + u->spent - moves + tests * (age - 1);
     int is_short = !is_in_steps(u->is_first ? u->horizon : u->made_for);
     int is_due =
-        is_short ? c->track > c->jump || c->track * age > cost : c->track > renewal || u->lately + tests > c->jump;
+        is_short ? c->track > pruning || c->track * age > cost : c->track > renewal || u->lately + tests > pruning;
     if (!is_due) return TRACK;
     int is_stall = 2 * renewal > 5 * c->jump;
-    int has_paid = cost < c->jump * age && (!is_stall || upkeep_in_steps(g, job, age) < c->jump);
-    if (u->is_first) has_paid = promises(choose_horizon(g, job, HORIZON_MOST), c->jump);
+    int has_paid = cost < pruning * age && (!is_stall || upkeep_in_steps(g, job, age) < pruning);
+    if (u->is_first) has_paid = promises(choose_horizon(g, job, HORIZON_MOST), pruning);
     else u->horizon = is_stall && age < IN_STEPS ? IN_STEPS : (uint32_t)age;
     u->is_first = 0;
     if (has_paid) u->wait = 0;
@@ -553,18 +588,15 @@ enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced)
     enum { FEW = 64 };
     const struct box_table *t = job->boxes;
     int64_t leaving = 0, early = 0;
-    size_t resting = 0;
     struct costs c = costs_of(g, job);
     if (!g->is_tracking && !g->is_jumping) return is_mostly_static(t) ? prune_and_rest(g, t) : load(g, job);
     if (!g->is_tracking) return choose_untracked(g, job, &c);
     for (size_t i = 0; i < misplaced; i++) {
         const struct box *b = &t->at[t->left[i]];
         leaving += !(b->flags & BOX_LIVE);
-        resting += rests(g, b);
         early += b->level != NO_LEVEL && skin_age(g, t->left[i]) < HORIZON_MOST;
     }
     int64_t moves = (int64_t)misplaced - leaving;
-    g->restless.newcomers = resting;
     if (g->in_skins) {
         c.track = account(&g->upkeep, moves, cost_of_stray(job, (int64_t)g->candidates.n)) +
                   cost_in_skins(job, (int64_t)g->candidates.n);

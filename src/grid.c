@@ -63,7 +63,6 @@ void msap_grid_init(struct grid *g, const msap_config *config, struct box_table 
     g->boxes = boxes;
     g->is_empty = 1;
     g->upkeep.horizon = HORIZON_START;
-    g->restless.newcomers = SIZE_MAX;
     g->sweeps = msap_sweeps_for(config->simd);
     msap_pool_init(&g->pool, sizeof(struct cell_block));
     msap_pool_init(&g->near.pool, NEAR_UNIT * sizeof(uint32_t));

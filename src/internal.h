@@ -344,6 +344,7 @@ int msap_boxes_hold_user_data(struct box_table *t, struct memory *m, size_t slot
 void msap_box_add(struct box_table *t, const struct bounds *bounds, uint32_t flags, void *user_data);
 void msap_boxes_undo_add(struct box_table *t, size_t used, size_t n_changed, size_t n_left);
 void msap_box_remove(struct box_table *t, uint32_t slot);
+void msap_boxes_complete_before(struct box_table *t);
 void msap_boxes_committed(struct box_table *t);
 void msap_boxes_free_removed(struct box_table *t);
 
@@ -402,6 +403,16 @@ static inline void settle_found(struct settler *s, uint32_t a, uint32_t b)
     if (!overlap(&t->past[a].before, &t->past[b].before)) msap_settle_change(s, pair_key(a, b), 1);
 }
 
+/* Which of four pairs overlapped before, a bit each. */
+static inline uint32_t known_among(const struct past *past, const uint32_t *a, const uint32_t *b)
+{
+    return overlaps_of(
+        gaps_of(&past[a[0]].before, &past[b[0]].before), gaps_of(&past[a[1]].before, &past[b[1]].before),
+        gaps_of(&past[a[2]].before, &past[b[2]].before), gaps_of(&past[a[3]].before, &past[b[3]].before));
+}
+
+struct pair_buffer;
+void msap_settle_found(struct settler *s, const struct pair_buffer *found);
 void msap_touch_all_boxes(const struct job *job);
 
 /* ----------------------------------------------------------------- pairs.c */
@@ -845,6 +856,16 @@ struct row_question {
  * taken. */
 typedef void (*sweep_row_fn)(const struct row_set *set, struct row_sweep *at, struct pair_buffer *out);
 
+/* How far the entries of a row reach, from its first one, `start`, on; those before `first` reach nobody who is still to
+ * be tested. */
+struct row_reach {
+    const int32_t *at;
+    uint32_t start, first;
+};
+/* The same from entries of a set through those of another one, of which `at` tells where j and `end` are. */
+typedef void (*sweep_between_fn)(const struct row_set *set, const struct row_set *other, struct row_reach *reach,
+                                 struct row_sweep *at, struct pair_buffer *out);
+
 enum { ENTRIES_ASKED = 64 }; /* at a time */
 
 /* Goes on with a question to a row: finds, among the next ENTRIES_ASKED entries from i on, those that have the
@@ -853,10 +874,11 @@ enum { ENTRIES_ASKED = 64 }; /* at a time */
 typedef size_t (*ask_row_fn)(const struct row_set *set, const struct row_question *q, struct row_sweep *at,
                              uint32_t *out);
 
-/* What goes over a cell, over a row, and what asks a row. */
+/* What goes over a cell, over a row, from one row over another, and what asks a row. */
 struct sweeps {
     sweep_fn cell;
     sweep_row_fn row;
+    sweep_between_fn between;
     ask_row_fn ask_row;
 };
 struct sweeps msap_sweeps_for(uint32_t simd);
@@ -928,17 +950,28 @@ struct upkeep {
     uint32_t not_before; /* the commit from which on there may be a renewal */
     uint32_t tried;      /* the commit after which skins were tried; 0: none */
     uint32_t wait;       /* for how many commits there was none when it had not paid last; 0: it has */
+    int64_t pruning;     /* what it would have cost in the last commit to prune instead */
     int64_t move;        /* what it costs to put a box elsewhere, */
     int64_t lately;      /* those that were in each of the last few commits, */
     int64_t spent;       /* and since `since` */
 };
 
-/* Boxes that are pruned in every commit while all others are not (restless.c). */
+/* Boxes that are pruned in every commit while all others, calm ones, are not (restless.c). While there are some, the
+ * bounds before of a calm box that has not changed are what it is now. */
 struct restless {
-    struct keys order;  /* by min on the sweep axis at the last commit; none while the rows hold all boxes */
-    struct row_set row; /* one row, for a commit */
+    uint32_t *slot; /* [n] in any order; none while the rows hold all boxes */
+    size_t n, room;
+    struct row_set set; /* them alone, in the same rows, for a commit */
     size_t idle;        /* how many stood still, in all commits together */
-    size_t newcomers;   /* how many that changed in the last commit had not before; SIZE_MAX: that is not known */
+    size_t newcomers;   /* how many joined them in the last commit */
+};
+
+enum { MOST_WATCHED = 16 };
+
+/* Some of the boxes that changed in the last commit: whether it will be the same ones again (choose.c). */
+struct watch {
+    uint32_t slot[MOST_WATCHED];
+    size_t n, of; /* so many of so many */
 };
 
 /* With which others each box made a pair when this was noted; while boxes rest as they are (partners.c). */
@@ -984,6 +1017,7 @@ struct grid {
     uint32_t wide[MOST_WIDE]; /* but for these; while is_jumping, and but for restless ones */
     size_t n_wide;
     struct restless restless;
+    struct watch watch;
     struct partners partners;
     size_t wide_found;      /* how many wide boxes there were, even if more, when they were counted last; */
     size_t wide_pruned;     /* and how many, if they had skins, with these; */
@@ -1110,6 +1144,8 @@ enum way {
     JUMP_INTO_SKINS,
     PRUNE_RESTLESS
 };
+void msap_watch(struct grid *g);
+size_t msap_count_newcomers(const struct grid *g);
 enum way msap_choose(struct grid *g, const struct job *job, size_t misplaced);
 int msap_grid_rebuild(struct grid *g, struct job *job);
 enum { UNSUITED = 2 };

@@ -31,27 +31,6 @@ struct jump {
     int has_skins;    /* the rows hold skins, and what is found are candidates, which are kept */
 };
 
-/* Which of four pairs overlapped before, a bit each. */
-static inline uint32_t known_among(const struct past *past, const uint32_t *a, const uint32_t *b)
-{
-    return overlaps_of(
-        gaps_of(&past[a[0]].before, &past[b[0]].before), gaps_of(&past[a[1]].before, &past[b[1]].before),
-        gaps_of(&past[a[2]].before, &past[b[2]].before), gaps_of(&past[a[3]].before, &past[b[3]].before));
-}
-
-/* Settles pairs, of which nearly all are known: so they are looked at by fours. */
-static void settle_taken(struct settler *s, const struct pair_buffer *taken)
-{
-    size_t i = 0;
-    s->touched += taken->n;
-    for (; taken->n - i >= 4; i += 4) {
-        uint32_t fresh = known_among(s->boxes->past, taken->a + i, taken->b + i) ^ 15;
-        for (size_t k = i; fresh > 0; k++, fresh >>= 1)
-            if (fresh & 1) msap_settle_change(s, pair_key(taken->a[k], taken->b[k]), 1);
-    }
-    for (; i < taken->n; i++) settle_found(s, taken->a[i], taken->b[i]);
-}
-
 static void keep_taken(struct worker *w, const struct pair_buffer *taken)
 {
     if (taken->n == 0 || !msap_worker_has_room(w, taken->n, 0)) return;
@@ -102,7 +81,7 @@ static void take(const void *context, struct worker *w, const struct pair_buffer
     const struct jump *j = context;
     if (j->has_skins) keep_candidates(w, found, j->job->pairs->active > 0);
     else if (j->is_comparing) keep_taken(w, found);
-    else settle_taken(&w->settler, found);
+    else msap_settle_found(&w->settler, found);
 }
 
 /* Sweeps from entries first ... last - 1. */
@@ -120,14 +99,6 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 }
 
 /* ---------------------------------------------------------------- the whole */
-
-/* Completes the bounds before. */
-static void complete_before(struct box_table *t)
-{
-    if (t->n_changed == t->live && t->removed.head == NONE) return; /* all have changed */
-    for (uint32_t slot = 0; slot < t->used; slot++)
-        if (!box_is_changed(t, slot)) t->past[slot].before = t->at[slot].now;
-}
 
 /* Steps 2 and 3. Two static boxes are no pair: where there are no others, there is nothing to find. Returns 0
  * without memory. */
@@ -193,7 +164,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
     g->is_jumping = 1;
     g->moves = job->boxes->live;
     j.is_comparing = msap_compare_is_worth_it(g, job);
-    if (!j.is_comparing) complete_before(job->boxes);
+    if (!j.is_comparing) msap_boxes_complete_before(job->boxes);
     if (!msap_rows_sort(p)) return 0;
     msap_rows_list(p);
     msap_rows_fill(p);
@@ -209,7 +180,7 @@ int msap_grid_jump(struct grid *g, struct job *job)
 int msap_grid_jump_into_skins(struct grid *g, struct job *job)
 {
     struct renewal *r = &g->renewal;
-    complete_before(job->boxes);
+    msap_boxes_complete_before(job->boxes);
     if (!msap_renewal_at_once(g, job)) return r->pruning.n_wide > MOST_WIDE ? UNSUITED : 0;
     struct jump j = {.grid = g, .job = job, .pruning = r->pruning, .has_skins = 1};
     keys_exchange(&job->worker->pairs, &r->found);

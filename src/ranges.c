@@ -279,6 +279,45 @@ static int place_arrays(struct pruning *j, struct scratch *words, size_t had, in
     return 1;
 }
 
+/* Counts some of the boxes alone, as count_some counts all. */
+static void count_few(struct pruning *j, const uint32_t *slot, size_t n)
+{
+    enum { AHEAD = 12 };
+    const struct bounds_by_slot all = j->bounds;
+    const struct rows rows_now = *j->rows, *r = &rows_now;
+    for (size_t i = 0; i < n; i++) {
+        if (n - i > AHEAD) prefetch(bounds_of_slot(&all, slot[i + AHEAD]));
+        const struct row_range range = range_of_box(j, r, slot[i]);
+        j->range[slot[i]] = range;
+        if (range.row == NO_ROW) {
+            j->wide[j->n_wide++] = slot[i];
+            continue;
+        }
+        if ((range.more[0] | range.more[1]) <= 1) count_in_few(r, &range, j->end);
+        else count_in_many(r, &range, j->end);
+        j->entries += entries_of(&range);
+        j->order[j->n_listed++] = key_make(bounds_of_slot(&all, slot[i])->min[r->axis[0]], 0, slot[i]);
+    }
+}
+
+/* Step 1 of so many boxes alone, by their slots, and which of them are wide. What it makes stands in `words`; the set
+ * holds nothing from then on. Returns 0 without memory. */
+int msap_rows_count_few(struct pruning *j, const uint32_t *slot, size_t n, struct scratch *words)
+{
+    struct row_set *set = j->set;
+    size_t slots = j->slots, rows = (size_t)j->rows->count[0] * j->rows->count[1];
+    uint64_t *at = msap_scratch_get(words, j->job->memory, n + slots + n / 2 + 1);
+    if (!at || !msap_memory_reserve(j->job->memory, &set->end, &set->room_end, rows, 0, sizeof *set->end))
+        return 0;
+    j->order = at;
+    j->range = (struct row_range *)(void *)(at + n);
+    j->wide = (uint32_t *)(void *)(at + n + slots);
+    j->end = set->end;
+    memset(j->end, 0, rows * sizeof *j->end);
+    count_few(j, slot, n);
+    return 1;
+}
+
 /* Step 1, and which boxes are wide. What it makes stands in `words`; the set holds nothing from then on. Returns 0
  * without memory. */
 int msap_rows_count(struct pruning *j, struct scratch *words)

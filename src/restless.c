@@ -8,120 +8,140 @@
  * from then on, and wide ones are, until all are pruned once more: when those of them that stand still
  * by now have cost as much as that.
  *
- * 1. Restless boxes are sorted along the sweep axis, nearly as they were in the last commit, and make up a row of
- *    their own, which is swept: a batch insertion (paper I.4b) that is undone before the next one.
- * 2. Each asks the rows for the others. What these hold of restless boxes is passed over.
- * 3. The known pairs are touched. */
+ * 1. Restless boxes are sorted into rows of their own, but for wide ones: the same rows as those of the others.
+ * 2. These rows are swept: a batch insertion (paper I.4b) that is undone before the next one; and from each box in
+ *    them the others in the same row (paper I.4c, bipartite). What rows hold of restless boxes is passed over.
+ * 3. Wide ones are tested against each other and these rows (wide.c), and ask those of the others.
+ * 4. The known pairs are touched. */
 #include "rows.h"
+
+/* One call at work. */
+struct restless_pruning {
+    struct grid *grid;
+    struct pruning pruning;
+};
 
 /* Boxes that are not restless: the rows hold them as they are. */
 static inline int is_calm(const struct box *b) { return (b->flags & (BOX_LIVE | BOX_RESTLESS)) == BOX_LIVE; }
 
 /* ------------------------------------------------------------------- step 1 */
 
-/* A live box is restless from now on. Returns 0 without memory. */
-static int disturb(struct grid *g, struct memory *m, uint32_t slot)
+/* A live box is restless from now on; there is room for it. */
+static void disturb(struct grid *g, uint32_t slot)
 {
-    struct keys *order = &g->restless.order;
+    struct restless *r = &g->restless;
     struct box *b = &g->boxes->at[slot];
-    if (!is_calm(b)) return 1;
-    if (!msap_keys_reserve(order, m, order->n + 1)) return 0;
+    if (!is_calm(b)) return;
     b->flags |= BOX_RESTLESS;
-    order->at[order->n++] = slot;
-    return 1;
+    r->slot[r->n++] = slot;
 }
 
-/* The first ones: those that are in no row. Returns 0 without memory. */
+/* Before the first ones: wide boxes, which are in no row, are among them, and the bounds before of all that have not
+ * changed become what they are now. Returns 0 without memory. */
 static int begin(struct grid *g, struct memory *m)
 {
-    for (size_t i = 0; i < g->n_wide; i++)
-        if (!disturb(g, m, g->wide[i])) return 0;
+    for (size_t i = 0; i < g->n_wide; i++) disturb(g, g->wide[i]);
+    msap_boxes_complete_before(g->boxes);
     return msap_rows_note_reach(&g->row_set, &g->rows, m);
 }
 
-/* Drops those that were removed, and whose slot another box may have got. */
-static void drop_removed(struct grid *g)
+/* Drops those that were removed, and whose slot another box may have got; the bounds before of those that stand still
+ * become what they are now. */
+static void go_through(struct grid *g)
 {
-    struct keys *order = &g->restless.order;
+    enum { AHEAD = 12 };
+    struct restless *r = &g->restless;
+    struct box_table *t = g->boxes;
     size_t n = 0;
-    for (size_t i = 0; i < order->n; i++) {
-        const struct box *b = &g->boxes->at[key_box(order->at[i])];
-        order->at[n] = order->at[i];
-        n += (b->flags & (BOX_LIVE | BOX_RESTLESS)) == (BOX_LIVE | BOX_RESTLESS);
+    for (size_t i = 0; i < r->n; i++) {
+        uint32_t slot = r->slot[i];
+        if (r->n - i > AHEAD) prefetch(&t->at[r->slot[i + AHEAD]]);
+        if (!box_is_changed(t, slot)) t->past[slot].before = t->at[slot].now;
+        r->slot[n] = slot;
+        n += (t->at[slot].flags & (BOX_LIVE | BOX_RESTLESS)) == (BOX_LIVE | BOX_RESTLESS);
     }
-    order->n = n;
+    r->n = n;
 }
 
-/* Counts how many join them, unless it is the first time. Returns 0 without memory. */
+/* Counts how many join them and how many stand still. Returns 0 without memory. */
 static int gather(struct grid *g, const struct job *job)
 {
     const struct box_table *t = job->boxes;
     struct restless *r = &g->restless;
-    drop_removed(g);
-    size_t n = r->order.n;
+    go_through(g);
+    size_t n = r->n, most = n + t->n_changed + (n == 0 ? g->n_wide : 0);
+    if (!msap_memory_reserve(job->memory, &r->slot, &r->room, most, n, sizeof *r->slot)) return 0;
+    size_t joined_first = msap_count_newcomers(g);
     if (n == 0 && !begin(g, job->memory)) return 0;
-    for (size_t i = 0; i < t->n_changed; i++)
-        if (!disturb(g, job->memory, t->changed[i])) return 0;
-    if (n > 0) r->newcomers = r->order.n - n;
-    if (r->order.n > t->n_changed) r->idle += r->order.n - t->n_changed;
+    for (size_t i = 0; i < t->n_changed; i++) disturb(g, t->changed[i]);
+    r->newcomers = n > 0 ? r->n - n : joined_first;
+    if (r->n > t->n_changed) r->idle += r->n - t->n_changed;
     return 1;
 }
 
-/* Sorts them by where they are now. */
-static void sort(struct grid *g, const struct job *job)
+/* Sorts them into their rows. Returns 0 without memory. */
+static int make_rows(struct restless_pruning *all)
 {
-    struct keys *order = &g->restless.order;
-    for (size_t i = 0; i < order->n; i++) {
-        uint32_t slot = key_box(order->at[i]);
-        order->at[i] = key_make(job->boxes->at[slot].now.min[g->rows.axis[0]], 0, slot);
-    }
-    msap_sort_nearly_sorted(order->at, order->n, msap_scratch_get(job->scratch, job->memory, order->n));
+    const struct restless *r = &all->grid->restless;
+    struct pruning *p = &all->pruning;
+    if (!msap_rows_count_few(p, r->slot, r->n, p->job->scratch) || !msap_rows_sort(p)) return 0;
+    msap_rows_list(p);
+    msap_rows_fill(p);
+    return 1;
 }
 
-/* And writes them into their row, with all marks: two static ones are told apart when they are settled. Returns 0
- * without memory. */
-static int make_row(struct grid *g, struct job *job)
+/* --------------------------------------------------------------- steps 2, 3 */
+
+static void take(const void *context, struct worker *w, const struct pair_buffer *found)
 {
-    struct restless *r = &g->restless;
-    struct pruning p = {.job = job, .rows = &g->rows, .set = &r->row, .bounds = bounds_now(job->boxes)};
-    p.entries = r->order.n;
-    if (!msap_row_set_make(&r->row, job->memory, r->order.n)) return 0;
-    for (size_t i = 0; i < r->order.n; i++) r->row.id[i] = key_box(r->order.at[i]) | ROW_MARKS;
-    msap_rows_fill(&p);
-    return 1;
+    (void)context;
+    msap_settle_found(&w->settler, found);
+}
+
+/* Settles those of the pairs from the i-th on that are new, a bit each, unless the second one is restless: then the
+ * rows hold it as it was. */
+static inline void settle_calm(struct settler *s, const struct pair_buffer *found, size_t i, uint32_t fresh)
+{
+    for (; fresh > 0; i++, fresh >>= 1)
+        if ((fresh & 1) && is_calm(&s->boxes->at[found->b[i]]))
+            msap_settle_change(s, pair_key(found->a[i], found->b[i]), 1);
+}
+
+static void take_calm(const void *context, struct worker *w, const struct pair_buffer *found)
+{
+    const struct past *past = w->settler.boxes->past;
+    size_t i = 0;
+    (void)context;
+    w->settler.touched += found->n;
+    for (; found->n - i >= 4; i += 4)
+        settle_calm(&w->settler, found, i, known_among(past, found->a + i, found->b + i) ^ 15);
+    for (; i < found->n; i++)
+        settle_calm(&w->settler, found, i, !overlap(&past[found->a[i]].before, &past[found->b[i]].before));
 }
 
 /* Sweeps from entries first ... last - 1. */
 static void sweep(void *context, struct worker *w, size_t first, size_t last)
 {
-    const struct grid *g = context;
-    struct pair_buffer found;
-    struct row_sweep at = {(uint32_t)first, (uint32_t)first + 1, (uint32_t)last, (uint32_t)g->restless.order.n};
-    while (at.i < at.last) {
-        g->sweeps.row(&g->restless.row, &at, &found);
-        for (size_t i = 0; i < found.n; i++) settle(&w->settler, found.a[i], found.b[i]);
-    }
+    const struct restless_pruning *all = context;
+    const struct grid *g = all->grid;
+    msap_rows_sweep(&g->restless.set, &g->rows, g->sweeps.row, first, last, take, NULL, w);
+    msap_rows_sweep_between(&g->restless.set, &g->row_set, &g->rows, g->sweeps.between, first, last, take_calm,
+                            NULL, w);
 }
 
-/* ------------------------------------------------------------------- step 2 */
-
-/* Settles a box with the calm ones among the first n that the worker has found. */
-static void settle_calm(const struct grid *g, struct worker *w, uint32_t slot, size_t n)
+/* Tests wide boxes first ... last - 1 against those before and all that are in rows. */
+static void test_wide(void *context, struct worker *w, size_t first, size_t last)
 {
-    for (size_t i = 0; i < n; i++)
-        if (is_calm(&g->boxes->at[w->found[i]])) settle(&w->settler, slot, w->found[i]);
-}
-
-/* Asks for the boxes first ... last - 1. */
-static void ask(void *context, struct worker *w, size_t first, size_t last)
-{
-    const struct grid *g = context;
+    const struct restless_pruning *all = context;
+    const struct grid *g = all->grid;
+    msap_wide_test(&all->pruning, &g->sweeps, first, last, take, NULL, w);
     for (size_t i = first; i < last; i++) {
-        uint32_t slot = key_box(g->restless.order.at[i]);
+        uint32_t slot = all->pruning.wide[i];
         const struct readable now = {g->boxes->at[slot].now, 0};
         size_t n = msap_rest_ask(g, w, &now.bounds, (g->boxes->at[slot].flags & BOX_STATIC) != 0, 0);
         if (n == SIZE_MAX) w->settler.lost = 1;
-        else settle_calm(g, w, slot, n);
+        for (size_t k = 0; k < n && n != SIZE_MAX; k++)
+            if (is_calm(&g->boxes->at[w->found[k]])) settle(&w->settler, slot, w->found[k]);
     }
 }
 
@@ -130,12 +150,17 @@ static void ask(void *context, struct worker *w, size_t first, size_t last)
 /* While the rows hold all boxes that are not restless: finds the events. Returns 0 without memory. */
 int msap_grid_prune_restless(struct grid *g, struct job *job)
 {
+    struct restless_pruning all = {.grid = g};
+    struct pruning *p = &all.pruning;
     if (!gather(g, job)) return 0;
-    size_t n = g->restless.order.n;
-    sort(g, job);
-    g->moves = n;
-    if (!make_row(g, job) || !msap_phase_run(job->crew, job->memory, sweep, g, n, WEIGHT_ROW_BOX) ||
-        !msap_phase_run(job->crew, job->memory, ask, g, n, WEIGHT_QUERY))
+    g->moves = g->restless.n;
+    p->job = job;
+    p->rows = &g->rows;
+    p->set = &g->restless.set;
+    p->slots = job->boxes->used;
+    p->bounds = bounds_now(job->boxes);
+    if (!make_rows(&all) || !msap_phase_run(job->crew, job->memory, sweep, &all, p->entries, 2 * WEIGHT_ROW_BOX) ||
+        !msap_phase_run(job->crew, job->memory, test_wide, &all, p->n_wide, job->boxes->live * WEIGHT_TOUCH))
         return 0;
     msap_touch_known_pairs(job);
     return 1;
@@ -144,35 +169,43 @@ int msap_grid_prune_restless(struct grid *g, struct job *job)
 /* The rows hold all boxes again, or none. */
 void msap_restless_forget(struct grid *g)
 {
-    struct keys *order = &g->restless.order;
-    for (size_t i = 0; i < order->n; i++)
-        if (key_box(order->at[i]) < g->boxes->used)
-            g->boxes->at[key_box(order->at[i])].flags &= ~(uint32_t)BOX_RESTLESS;
-    order->n = 0;
-    g->restless.idle = 0;
+    struct restless *r = &g->restless;
+    for (size_t i = 0; i < r->n; i++)
+        if (r->slot[i] < g->boxes->used) g->boxes->at[r->slot[i]].flags &= ~(uint32_t)BOX_RESTLESS;
+    r->n = r->idle = 0;
 }
 
 void msap_restless_free(struct grid *g, struct memory *m)
 {
+    struct restless *r = &g->restless;
     msap_restless_forget(g);
-    msap_keys_free(&g->restless.order, m);
-    msap_row_set_free(&g->restless.row, m);
+    msap_memory_free(m, r->slot, r->room, sizeof *r->slot);
+    r->slot = NULL;
+    r->room = 0;
+    msap_row_set_free(&r->set, m);
 }
 
 /* ------------------------------------------------------------------ checking */
 
+/* Whether the bounds before of a calm box that has not changed are not what it is now. */
+static int is_before_broken(const struct box_table *t, uint32_t slot)
+{
+    return is_calm(&t->at[slot]) && !box_is_changed(t, slot) &&
+           memcmp(&t->past[slot].before, &t->at[slot].now, sizeof(struct bounds)) != 0;
+}
+
 /* The first broken invariant, or NULL. */
 const char *msap_restless_broken(const struct grid *g)
 {
-    const struct keys *order = &g->restless.order;
+    const struct restless *r = &g->restless;
+    const struct box_table *t = g->boxes;
     size_t marked = 0, listed = 0;
-    if (order->n > 0 && !g->is_jumping) return "boxes are restless while others are tracked";
-    for (uint32_t slot = 0; slot < g->boxes->used; slot++)
-        marked += (g->boxes->at[slot].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
-    for (size_t i = 0; i < order->n; i++) {
-        const struct box *b = &g->boxes->at[key_box(order->at[i])];
-        if (i > 0 && order->at[i] <= order->at[i - 1]) return "the restless boxes are not in order";
-        listed += (b->flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
+    if (r->n > 0 && !g->is_jumping) return "boxes are restless while others are tracked";
+    for (uint32_t slot = 0; slot < t->used; slot++) {
+        if (r->n > 0 && is_before_broken(t, slot)) return "a calm box was elsewhere before";
+        marked += (t->at[slot].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
     }
+    for (size_t i = 0; i < r->n; i++)
+        listed += (t->at[r->slot[i]].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
     return listed == marked ? NULL : "a restless box is not listed";
 }

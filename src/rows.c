@@ -288,6 +288,23 @@ void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_
     }
 }
 
+/* The same from entries of a set through those of another one in the same rows, which has noted its reach. */
+void msap_rows_sweep_between(const struct row_set *set, const struct row_set *other, const struct rows *r,
+                             sweep_between_fn sweep, size_t first, size_t last, take_pairs_fn take,
+                             const void *context, struct worker *w)
+{
+    struct pair_buffer found;
+    for (size_t row = row_of(set, r, first), i = first; i < last; i = set->end[row++]) {
+        uint32_t end = set->end[row], start = row_start(other, row);
+        struct row_reach reach = {other->reach + reach_of(row, start), start, start};
+        struct row_sweep at = {(uint32_t)i, 0, end < last ? end : (uint32_t)last, other->end[row]};
+        while (at.i < at.last) {
+            sweep(set, other, &reach, &at, &found);
+            take(context, w, &found);
+        }
+    }
+}
+
 /* ------------------------------------------------------------------- asking */
 
 /* Asks the rows that bounds touch what in them overlaps, has what the question tells, and lies in no row before:

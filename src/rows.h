@@ -74,12 +74,16 @@ void msap_kept_merge(struct pruning *p, const uint32_t *coming);
 
 void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);
+int msap_rows_count_few(struct pruning *p, const uint32_t *slot, size_t n, struct scratch *words);
 int msap_rows_sort(struct pruning *p);
 void msap_rows_list(struct pruning *p);
 void msap_rows_fill(struct pruning *p);
 int msap_rows_note_reach(struct row_set *set, const struct rows *r, struct memory *m);
 void msap_rows_sweep(const struct row_set *set, const struct rows *r, sweep_row_fn sweep, size_t first,
                      size_t last, take_pairs_fn take, const void *context, struct worker *w);
+void msap_rows_sweep_between(const struct row_set *set, const struct row_set *other, const struct rows *r,
+                             sweep_between_fn sweep, size_t first, size_t last, take_pairs_fn take,
+                             const void *context, struct worker *w);
 size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const struct row_question *q,
                      ask_one_row_fn ask, const void *context, struct worker *w, size_t n);
 

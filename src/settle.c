@@ -73,6 +73,20 @@ void msap_settle_note(struct settler *s, uint32_t slot, uint32_t index)
     }
 }
 
+/* Settles pairs that overlap now, not both static, nearly all of which are known, when the bounds before of all
+ * boxes are in `past`: so they are looked at by fours. */
+void msap_settle_found(struct settler *s, const struct pair_buffer *found)
+{
+    size_t i = 0;
+    s->touched += found->n;
+    for (; found->n - i >= 4; i += 4) {
+        uint32_t fresh = known_among(s->boxes->past, found->a + i, found->b + i) ^ 15;
+        for (size_t k = i; fresh > 0; k++, fresh >>= 1)
+            if (fresh & 1) msap_settle_change(s, pair_key(found->a[k], found->b[k]), 1);
+    }
+    for (; i < found->n; i++) settle_found(s, found->a[i], found->b[i]);
+}
+
 /* Whether the boxes of a pair are both live; they are if none was removed. */
 static inline int are_live(const struct box_table *t, uint32_t a, uint32_t b)
 {

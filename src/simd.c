@@ -173,19 +173,33 @@ __attribute__((target("avx2"))) static size_t sweep_avx2(const struct cell *c, u
 
 /* ------------------------------------------------------------- sweeping rows */
 
-static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
+/* Each of these sweeps is made twice: within a row, from each entry through those behind it, where `reach` is NULL; and
+ * from each entry of a row through those of the same row in another set. */
+
+/* The entry of the other row from which on one that starts at `min` is to be tested: from j on, if it has been
+ * tested against those before. */
+static inline uint32_t first_to_test(struct row_reach *reach, uint32_t j, uint32_t end, int32_t min)
+{
+    while (reach->first < end && reach->at[(reach->first - reach->start) / REACH] < min) reach->first += REACH;
+    return j > reach->first ? j : reach->first;
+}
+
+static ALWAYS_INLINE void sweep_ones(const struct row_set *s, const struct row_set *other, struct row_reach *reach,
+                                     struct row_sweep *at, struct pair_buffer *out)
 {
     const uint32_t last = at->last, end = at->end;
     uint32_t i = at->i, j = at->j;
-    for (out->n = 0; i < last; i++, j = i + 1) {
-        int32_t stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i], min2 = s->min[2][i],
-                max2 = s->max[2][i];
-        for (; j < end && s->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
-            int apart =
-                (s->min[1][j] > max1) | (min1 > s->max[1][j]) | (s->min[2][j] > max2) | (min2 > s->max[2][j]);
+    for (out->n = 0; i < last; i++, j = reach ? 0 : i + 1) {
+        int32_t start = s->min[0][i], stop = s->max[0][i], min1 = s->min[1][i], max1 = s->max[1][i],
+                min2 = s->min[2][i], max2 = s->max[2][i];
+        if (reach) j = first_to_test(reach, j, end, start);
+        for (; j < end && other->min[0][j] <= stop && out->n < MOST_BUFFERED; j++) {
+            int apart = (other->min[1][j] > max1) | (min1 > other->max[1][j]) | (other->min[2][j] > max2) |
+                        (min2 > other->max[2][j]);
+            if (reach) apart |= start > other->max[0][j];
             out->a[out->n] = s->id[i] & ~ROW_MARKS;
-            out->b[out->n] = s->id[j] & ~ROW_MARKS;
-            out->n += !apart & (((s->id[i] | s->id[j]) & ROW_MARKS) == ROW_MARKS);
+            out->b[out->n] = other->id[j] & ~ROW_MARKS;
+            out->n += !apart & (((s->id[i] | other->id[j]) & ROW_MARKS) == ROW_MARKS);
         }
         if (out->n == MOST_BUFFERED) break;
     }
@@ -193,29 +207,43 @@ static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, st
     at->j = j;
 }
 
+static void sweep_row_portable(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
+{
+    sweep_ones(s, s, NULL, at, out);
+}
+
+static void sweep_between_portable(const struct row_set *s, const struct row_set *other, struct row_reach *reach,
+                                   struct row_sweep *at, struct pair_buffer *out)
+{
+    sweep_ones(s, other, reach, at, out);
+}
+
 #if defined(HAS_FOUR)
-static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
+static ALWAYS_INLINE void sweep_fours(const struct row_set *s, const struct row_set *other,
+                                      struct row_reach *reach, struct row_sweep *at, struct pair_buffer *out)
 {
     const uint32_t last = at->last, end = at->end;
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (; i < last; i++, j = i + 1) {
+    for (; i < last; i++, j = reach ? 0 : i + 1) {
         uint32_t found, is_past = 0;
         four lacks = four_of((int32_t)(~s->id[i] & ROW_MARKS));
-        four stop = four_of(s->max[0][i]);
+        four start = four_of(s->min[0][i]), stop = four_of(s->max[0][i]);
         four min1 = four_of(s->min[1][i]), max1 = four_of(s->max[1][i]);
         four min2 = four_of(s->min[2][i]), max2 = four_of(s->max[2][i]);
+        if (reach) j = first_to_test(reach, j, end, s->min[0][i]);
         for (; j < end && !is_past && n <= MOST_BUFFERED - 4; j += 4) {
-            four_mask past = above(four_at(s->min[0] + j), stop);
-            four_mask y = either(above(four_at(s->min[1] + j), max1), above(min1, four_at(s->max[1] + j)));
-            four_mask z = either(above(four_at(s->min[2] + j), max2), above(min2, four_at(s->max[2] + j)));
-            four id = four_at((const int32_t *)(const void *)(s->id + j));
+            four_mask past = above(four_at(other->min[0] + j), stop);
+            four_mask y = either(above(four_at(other->min[1] + j), max1), above(min1, four_at(other->max[1] + j)));
+            four_mask z = either(above(four_at(other->min[2] + j), max2), above(min2, four_at(other->max[2] + j)));
+            if (reach) y = either(y, above(start, four_at(other->max[0] + j)));
+            four id = four_at((const int32_t *)(const void *)(other->id + j));
             found = bits_of(same(both(id, lacks), lacks)) & ~bits_of(either(past, either(y, z)));
             is_past = bits_of(past);
             if (end - j < 4) found &= (1u << (end - j)) - 1;
             for (; found; found &= found - 1) {
                 out->a[n] = s->id[i] & ~ROW_MARKS;
-                out->b[n++] = s->id[j + (uint32_t)__builtin_ctz(found)] & ~ROW_MARKS;
+                out->b[n++] = other->id[j + (uint32_t)__builtin_ctz(found)] & ~ROW_MARKS;
             }
         }
         if (j < end && !is_past) break;
@@ -224,31 +252,51 @@ static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, struc
     at->j = j;
     out->n = n;
 }
+
+static void sweep_row_fours(const struct row_set *s, struct row_sweep *at, struct pair_buffer *out)
+{
+    sweep_fours(s, s, NULL, at, out);
+}
+
+static void sweep_between_fours(const struct row_set *s, const struct row_set *other, struct row_reach *reach,
+                                struct row_sweep *at, struct pair_buffer *out)
+{
+    sweep_fours(s, other, reach, at, out);
+}
 #endif
 
 #if defined(HAS_AVX2)
-__attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set *s, struct row_sweep *at,
-                                                           struct pair_buffer *out)
+/* Which of the eight bounds from `min` and `max` on do not overlap those from `low` to `high`. */
+__attribute__((target("avx2"))) static inline __m256i are_apart(const int32_t *min, const int32_t *max,
+                                                                __m256i low, __m256i high)
+{
+    return _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(min), high), _mm256_cmpgt_epi32(low, LOAD256(max)));
+}
+
+__attribute__((target("avx2"))) static ALWAYS_INLINE void sweep_eights_of_row(const struct row_set *s,
+                                                                              const struct row_set *other,
+                                                                              struct row_reach *reach,
+                                                                              struct row_sweep *at,
+                                                                              struct pair_buffer *out)
 {
     const uint32_t last = at->last, end = at->end;
     const __m256i marks = _mm256_set1_epi32((int32_t)ROW_MARKS);
     uint32_t i = at->i, j = at->j;
     size_t n = 0;
-    for (; i < last; i++, j = i + 1) {
+    for (; i < last; i++, j = reach ? 0 : i + 1) {
         uint32_t is_past = 0;
         __m256i self = _mm256_set1_epi32((int32_t)(s->id[i] & ~ROW_MARKS));
         __m256i lacks = _mm256_set1_epi32((int32_t)(~s->id[i] & ROW_MARKS));
-        __m256i stop = _mm256_set1_epi32(s->max[0][i]);
+        __m256i start = _mm256_set1_epi32(s->min[0][i]), stop = _mm256_set1_epi32(s->max[0][i]);
         __m256i min1 = _mm256_set1_epi32(s->min[1][i]), max1 = _mm256_set1_epi32(s->max[1][i]);
         __m256i min2 = _mm256_set1_epi32(s->min[2][i]), max2 = _mm256_set1_epi32(s->max[2][i]);
+        if (reach) j = first_to_test(reach, j, end, s->min[0][i]);
         for (; j < end && !is_past && n <= MOST_BUFFERED - 8; j += 8) {
-            __m256i past = _mm256_cmpgt_epi32(LOAD256(s->min[0] + j), stop);
-            __m256i apart1 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[1] + j), max1),
-                                             _mm256_cmpgt_epi32(min1, LOAD256(s->max[1] + j)));
-            __m256i apart2 = _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(s->min[2] + j), max2),
-                                             _mm256_cmpgt_epi32(min2, LOAD256(s->max[2] + j)));
-            __m256i apart = _mm256_or_si256(past, _mm256_or_si256(apart1, apart2)), ids = LOAD256(s->id + j);
-            __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(ids, lacks), lacks);
+            __m256i past = _mm256_cmpgt_epi32(LOAD256(other->min[0] + j), stop);
+            __m256i apart = _mm256_or_si256(past, are_apart(other->min[1] + j, other->max[1] + j, min1, max1));
+            apart = _mm256_or_si256(apart, are_apart(other->min[2] + j, other->max[2] + j, min2, max2));
+            if (reach) apart = _mm256_or_si256(apart, _mm256_cmpgt_epi32(start, LOAD256(other->max[0] + j)));
+            __m256i ids = LOAD256(other->id + j), has = _mm256_cmpeq_epi32(_mm256_and_si256(ids, lacks), lacks);
             uint32_t found = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(apart, has)));
             is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
             if (end - j < 8) found &= (1u << (end - j)) - 1;
@@ -260,6 +308,20 @@ __attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set 
     at->i = i;
     at->j = j;
     out->n = n;
+}
+
+__attribute__((target("avx2"))) static void sweep_row_avx2(const struct row_set *s, struct row_sweep *at,
+                                                           struct pair_buffer *out)
+{
+    sweep_eights_of_row(s, s, NULL, at, out);
+}
+
+__attribute__((target("avx2"))) static void sweep_between_avx2(const struct row_set *s,
+                                                               const struct row_set *other,
+                                                               struct row_reach *reach, struct row_sweep *at,
+                                                               struct pair_buffer *out)
+{
+    sweep_eights_of_row(s, other, reach, at, out);
 }
 #endif
 
@@ -371,30 +433,23 @@ static size_t ask_row_fours(const struct row_set *s, const struct row_question *
 #endif
 
 #if defined(HAS_AVX2)
-/* Which of the eight bounds from `min` and `max` on do not overlap those from `low` to `high`. */
-__attribute__((target("avx2"))) static inline __m256i are_apart(const int32_t *min, const int32_t *max,
-                                                                int32_t low, int32_t high)
-{
-    return _mm256_or_si256(_mm256_cmpgt_epi32(LOAD256(min), _mm256_set1_epi32(high)),
-                           _mm256_cmpgt_epi32(_mm256_set1_epi32(low), LOAD256(max)));
-}
-
 __attribute__((target("avx2"))) static size_t ask_row_avx2(const struct row_set *s, const struct row_question *q,
                                                            struct row_sweep *at, uint32_t *out)
 {
-    const struct row_question asked = *q;
     const struct row_set set = *s;
     const uint32_t last = last_asked(at);
-    const __m256i lacks = _mm256_set1_epi32((int32_t)asked.lacks),
-                  marks = _mm256_set1_epi32((int32_t)~row_slot(~0u));
+    const __m256i min[3] = {_mm256_set1_epi32(q->min[0]), _mm256_set1_epi32(q->min[1]),
+                            _mm256_set1_epi32(q->min[2])},
+                  max[3] = {_mm256_set1_epi32(q->max[0]), _mm256_set1_epi32(q->max[1]),
+                            _mm256_set1_epi32(q->max[2])},
+                  lacks = _mm256_set1_epi32((int32_t)q->lacks), marks = _mm256_set1_epi32((int32_t)~row_slot(~0u));
     uint32_t is_past = 0;
     size_t n = 0;
     for (uint32_t i = at->i; i < last && !is_past; i += 8) {
-        __m256i past = _mm256_cmpgt_epi32(LOAD256(set.min[0] + i), _mm256_set1_epi32(asked.max[0]));
-        __m256i apart = are_apart(set.min[0] + i, set.max[0] + i, asked.min[0], asked.max[0]),
-                ids = LOAD256(set.id + i);
-        apart = _mm256_or_si256(apart, are_apart(set.min[1] + i, set.max[1] + i, asked.min[1], asked.max[1]));
-        apart = _mm256_or_si256(apart, are_apart(set.min[2] + i, set.max[2] + i, asked.min[2], asked.max[2]));
+        __m256i past = _mm256_cmpgt_epi32(LOAD256(set.min[0] + i), max[0]), ids = LOAD256(set.id + i);
+        __m256i apart = are_apart(set.min[0] + i, set.max[0] + i, min[0], max[0]);
+        apart = _mm256_or_si256(apart, are_apart(set.min[1] + i, set.max[1] + i, min[1], max[1]));
+        apart = _mm256_or_si256(apart, are_apart(set.min[2] + i, set.max[2] + i, min[2], max[2]));
         __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(ids, lacks), lacks);
         uint32_t found = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(apart, has)));
         is_past = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(past));
@@ -411,13 +466,13 @@ __attribute__((target("avx2"))) static size_t ask_row_avx2(const struct row_set 
 /* The best that the machine has, not above `simd`. */
 struct sweeps msap_sweeps_for(uint32_t simd)
 {
-    struct sweeps s = {sweep_portable, sweep_row_portable, ask_row_portable};
+    struct sweeps s = {sweep_portable, sweep_row_portable, sweep_between_portable, ask_row_portable};
 #if defined(HAS_FOUR)
-    const struct sweeps fours = {sweep_eights, sweep_row_fours, ask_row_fours};
+    const struct sweeps fours = {sweep_eights, sweep_row_fours, sweep_between_fours, ask_row_fours};
     if (simd != MSAP_SIMD_NONE) s = fours;
 #endif
 #if defined(HAS_AVX2)
-    const struct sweeps eights = {sweep_avx2, sweep_row_avx2, ask_row_avx2};
+    const struct sweeps eights = {sweep_avx2, sweep_row_avx2, sweep_between_avx2, ask_row_avx2};
     if (use_avx2(simd)) s = eights;
 #endif
 #if defined(HAS_AVX512)

@@ -175,6 +175,7 @@ static void catch_up(const struct grid *g, const struct settler *s)
  * this commit does not know them any more. */
 void msap_grid_committed(struct grid *g, const struct settler *s)
 {
+    msap_watch(g);
     if (g->will_know_pairs || s->fresh.n + s->doomed.n > 0) g->knows_pairs = g->will_know_pairs;
     catch_up(g, s);
 }

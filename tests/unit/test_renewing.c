@@ -571,6 +571,7 @@ START_TEST(boxes_in_cells_get_lists)
 {
     int row = _i / 2, later = _i % 2;
     if (!chooses(row)) return;
+    int with_lists = 0;
     walkers w;
     open_walk(&w, row, 3, 14);
     for (int i = 0; i < 5; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.02f, 0);
@@ -587,8 +588,9 @@ START_TEST(boxes_in_cells_get_lists)
         if (frame == (later ? 4 : 0)) take_away(&w, 4 * (uint32_t)(row % 2) + 40 * (uint32_t)(row % 3)); /* when lists would be made */
         if (frame > 9) take_away(&w, frame % 8 == 7 ? 0 : random_below(&w.s.random, w.n - 60) + 50);
         end_frame(&w);
+        with_lists += grid_of(&w)->is_resting && !grid_of(&w)->in_skins && grid_of(&w)->rows_hold_skins;
     }
-    if (is_free(&w)) ck_assert(grid_of(&w)->is_resting && !grid_of(&w)->in_skins && grid_of(&w)->rows_hold_skins);
+    if (is_free(&w)) ck_assert_int_ge(with_lists, 8);
     right(session_close(&w.s));
 }
 END_TEST
@@ -845,12 +847,12 @@ START_TEST(motion_says_next_to_nothing)
     }
     end_frame(&w);
     for (int step = 0; step < 2 * STEPS; step++) {
-        for (uint32_t i = 0; i < LONELY; i++) { /* all go nearly to the ends, then one group after the other further */
-            int first = step % STEPS == 0;
+        for (uint32_t i = 0; i < LONELY; i++) { /* all go nearly to the ends, then one group after the other beyond */
+            int first = step % STEPS == 0, leaves = (int)i / GROUP == step % STEPS - 1;
             box b = w.bounds[i];
-            if (!first && (int)i / GROUP != step % STEPS - 1) continue;
-            b.min[2] += first ? 0.999f : 0.002f;
-            b.max[2] += first ? 0.999f : 0.002f;
+            if (step > STEPS && !leaves) continue; /* before, all move: then nobody knows who sets out */
+            b.min[2] += first ? 0.999f : leaves ? 0.002f : 0.000001f;
+            b.max[2] += first ? 0.999f : leaves ? 0.002f : 0.000001f;
             set(&w, i, b);
         }
         end_frame(&w);

@@ -39,11 +39,12 @@ static void fill_row(struct row_set *set, struct memory *m, uint64_t *random, ui
     }
 }
 
-static int are_pair(const struct row_set *s, uint32_t i, uint32_t j)
+/* Entry i of a row and j of the same one in another set, or in the same. */
+static int are_pair(const struct row_set *s, uint32_t i, const struct row_set *other, uint32_t j)
 {
     int overlap = 1;
-    for (int k = 0; k < 3; k++) overlap &= s->min[k][i] <= s->max[k][j] && s->min[k][j] <= s->max[k][i];
-    return overlap && ((s->id[i] | s->id[j]) & ROW_MARKS) == ROW_MARKS;
+    for (int k = 0; k < 3; k++) overlap &= s->min[k][i] <= other->max[k][j] && other->min[k][j] <= s->max[k][i];
+    return overlap && ((s->id[i] | other->id[j]) & ROW_MARKS) == ROW_MARKS;
 }
 
 /* From entries first ... last - 1 to those behind them before `end`, by brute force. */
@@ -52,7 +53,7 @@ static void find_pairs(const struct row_set *s, uint32_t first, uint32_t last, u
     found->n = 0;
     for (uint32_t i = first; i < last; i++)
         for (uint32_t j = i + 1; j < end; j++)
-            if (are_pair(s, i, j)) {
+            if (are_pair(s, i, s, j)) {
                 found->a[found->n] = s->id[i] & ~ROW_MARKS;
                 found->b[found->n++] = s->id[j] & ~ROW_MARKS;
             }
@@ -75,7 +76,56 @@ static void sweep_pairs(sweep_row_fn sweep, const struct row_set *s, uint32_t fi
     }
 }
 
+/* From entries first ... last - 1 to those of another set from `start` to before `end`, by brute force. */
+static void find_pairs_between(const struct row_set *s, uint32_t first, uint32_t last, const struct row_set *other,
+                               uint32_t start, uint32_t end, struct pairs *found)
+{
+    found->n = 0;
+    for (uint32_t i = first; i < last; i++)
+        for (uint32_t j = start; j < end; j++)
+            if (are_pair(s, i, other, j)) {
+                found->a[found->n] = s->id[i] & ~ROW_MARKS;
+                found->b[found->n++] = other->id[j] & ~ROW_MARKS;
+            }
+}
+
+/* The same by a sweep, which is told how far the others reach. */
+static void sweep_pairs_between(sweep_between_fn sweep, const struct row_set *s, uint32_t first, uint32_t last,
+                                const struct row_set *other, uint32_t start, uint32_t end, struct pairs *found)
+{
+    int32_t reach[MOST_ENTRIES / REACH + 1], most = INT32_MIN;
+    for (uint32_t j = start; j < end; j++) {
+        most = other->max[0][j] > most ? other->max[0][j] : most;
+        reach[(j - start) / REACH] = most;
+    }
+    struct row_reach where = {reach, start, start};
+    struct row_sweep at = {first, 0, last, end};
+    struct pair_buffer out;
+    found->n = 0;
+    while (at.i < at.last) {
+        sweep(s, other, &where, &at, &out);
+        ck_assert_uint_le(out.n, MOST_BUFFERED);
+        ck_assert_uint_le(found->n + out.n, MOST_PAIRS);
+        memcpy(found->a + found->n, out.a, out.n * sizeof *out.a);
+        memcpy(found->b + found->n, out.b, out.n * sizeof *out.b);
+        found->n += out.n;
+    }
+}
+
 /* --------------------------------------------------------------------- tests */
+
+static void compare_sweeps_between(const struct row_set *set, uint32_t first, uint32_t last,
+                                   const struct row_set *other, uint32_t start, uint32_t end)
+{
+    static struct pairs right_ones, found;
+    find_pairs_between(set, first, last, other, start, end, &right_ones);
+    for (size_t i = 0; i < COUNT(simd); i++) {
+        sweep_pairs_between(msap_sweeps_for(simd[i]).between, set, first, last, other, start, end, &found);
+        ck_assert_uint_eq(found.n, right_ones.n);
+        ck_assert(memcmp(found.a, right_ones.a, found.n * sizeof *found.a) == 0);
+        ck_assert(memcmp(found.b, right_ones.b, found.n * sizeof *found.b) == 0);
+    }
+}
 
 static void compare_sweeps(const struct row_set *set, uint32_t first, uint32_t last, uint32_t end)
 {
@@ -147,6 +197,30 @@ START_TEST(every_sweep_gives_the_pairs_of_a_row)
 }
 END_TEST
 
+/* The same from one row through another one, which may be of any length, or empty. */
+START_TEST(every_sweep_gives_the_pairs_of_two_rows)
+{
+    uint64_t random = 31 + (uint64_t)_i;
+    struct row_set set, other;
+    struct memory m;
+    memset(&set, 0, sizeof set);
+    memset(&other, 0, sizeof other);
+    ok(msap_memory_init(&m, NULL, NULL, NULL));
+    for (uint32_t n = 1; n <= MOST_ENTRIES; n++) {
+        uint32_t n_other = 1 + random_below(&random, MOST_ENTRIES);
+        fill_row(&set, &m, &random, n, 64, 1u << random_below(&random, 7));
+        fill_row(&other, &m, &random, n_other, 64, 1u << _i);
+        uint32_t first = random_below(&random, n), last = first + 1 + random_below(&random, n - first);
+        uint32_t start = random_below(&random, n_other), end = start + random_below(&random, n_other - start + 1);
+        compare_sweeps_between(&set, 0, n, &other, 0, n_other);
+        compare_sweeps_between(&set, first, last, &other, start, end);
+    }
+    msap_row_set_free(&set, &m);
+    msap_row_set_free(&other, &m);
+    ck_assert_uint_eq(m.bytes, 0);
+}
+END_TEST
+
 /* Numbers at both ends of what bounds are encoded to. */
 START_TEST(bounds_may_be_any_numbers)
 {
@@ -175,6 +249,7 @@ int main(void)
 {
     TCase *tests = tcase_create("row sweeps");
     tcase_add_loop_test(tests, every_sweep_gives_the_pairs_of_a_row, 0, 7);
+    tcase_add_loop_test(tests, every_sweep_gives_the_pairs_of_two_rows, 0, 7);
     tcase_add_test(tests, bounds_may_be_any_numbers);
     return run_case(tests, "row sweeps");
 }
