@@ -59,7 +59,7 @@ enum {
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
     JUMP_PAIR = 5,          /* and a pair; */
     WIDE_BOX = 4,           /* in one test a wide box is tested against so many others */
-    RESTLESS_BOX = 45,      /* a box that is pruned while others are not, */
+    RESTLESS_BOX = 40,      /* a box that is pruned while others are not, */
     BOXES_A_ROW = 8,        /* and the row of so many others, */
     KNOWN_PAIR = 1,         /* and a known pair */
     REBUILD_BOX = 43,       /* a box when all is made anew, */

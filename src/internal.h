@@ -833,7 +833,7 @@ struct row_set {
     size_t changed;          /* boxes that are in others than at the pruning before; all if that is not known */
     size_t room, room_end, room_reach, room_range;
 };
-enum { REACH = 16 };
+enum { REACH = 8 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);

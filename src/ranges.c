@@ -51,7 +51,7 @@ static inline struct row_range range_of_box(const struct pruning *j, const struc
     const struct row_range range = {
         s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, (uint16_t)(flags & BOX_STATIC)};
     if ((s.more[0] | s.more[1]) <= 1) return range;
-    return ((uint64_t)s.more[0] + 1) * (s.more[1] + 1) <= MOST_ROWS ? range : IS_WIDE;
+    return rows_in(&s) <= MOST_ROWS ? range : IS_WIDE;
 }
 
 #if defined(__SSE2__)

@@ -138,7 +138,7 @@ static const struct bounds *bounds_in_rows(const struct grid *g, uint32_t slot)
 static uint64_t rows_touched(const struct grid *g, uint32_t slot)
 {
     struct row_span span = rows_of(&g->rows, bounds_in_rows(g, slot));
-    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1);
+    return rows_in(&span);
 }
 
 /* Whether an entry of a box that rests has other bounds than the box. */

@@ -50,6 +50,12 @@ static inline struct row_span rows_of(const struct rows *r, const struct bounds 
 
 enum { MOST_ROWS = 8 }; /* that a box may touch which is not wide */
 
+/* How many rows a box touches. */
+static inline uint64_t rows_in(const struct row_span *s)
+{
+    return ((uint64_t)s->more[0] + 1) * (s->more[1] + 1);
+}
+
 /* Where the reach of the first boxes of a row stands. */
 static inline size_t reach_of(size_t row, size_t start) { return start / REACH + row; }
 

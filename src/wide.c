@@ -97,7 +97,7 @@ static int is_wide(const struct rows *r, const struct box_table *t, uint32_t slo
 {
     const struct readable now = {t->at[slot].now, 0};
     struct row_span span = rows_of(r, &now.bounds);
-    return ((uint64_t)span.more[0] + 1) * (span.more[1] + 1) > MOST_ROWS;
+    return rows_in(&span) > MOST_ROWS;
 }
 
 /* Notes how many there are in a pruning, of boxes or of skins. */
