@@ -108,6 +108,7 @@ START_TEST(few_jump)
     field f;
     open_field(&f, _i, 3, SCENE_SPREAD);
     for (int frame = 0; frame < 6; frame++) {
+        ck_assert_uint_eq(grid_of(&f)->restless.newcomers, 0); /* of the first ones neither */
         jump(&f, 0, WILD);
         step(&f);
         if (is_free(&f)) ck_assert_uint_eq(count_restless(&f), WILD);
@@ -174,8 +175,11 @@ START_TEST(others_each_time)
     int few = 0, several = 0;
     open_field(&f, _i, 3, SCENE_SPREAD);
     for (uint32_t frame = 0; frame < 12; frame++) {
+        size_t before = count_restless(&f), n;
         jump(&f, frame * WILD, (frame + 1) * WILD);
         step(&f);
+        n = count_restless(&f);
+        if (before > 0 && n > 0) ck_assert_uint_eq(grid_of(&f)->restless.newcomers, n - before);
         few += count_restless(&f) > 0;
     }
     for (uint32_t frame = 0; frame < 12; frame++) {
@@ -186,6 +190,30 @@ START_TEST(others_each_time)
     }
     if (is_free(&f)) ck_assert_int_le(few, 10);
     if (is_free(&f)) ck_assert_int_lt(several, 6);
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* Boxes are awake for three commits each, one after the other, and in the others calm: that others will wake is known,
+ * so that boxes do not rest while each that wakes would have to be put elsewhere. */
+START_TEST(a_wave_passes)
+{
+    enum { WAKE = 16, FRAMES = 60 };
+    field f;
+    int resting = 0;
+    put_field(&f, _i, 3, SCENE_SPREAD, 0);
+    for (uint32_t frame = 0; frame < FRAMES; frame++) {
+        for (uint32_t i = frame * WAKE; i < (frame + 3) * WAKE; i++) {
+            box b = f.bounds[i % f.n];
+            float step = (float)random_below(&f.s.random, 9) - 4;
+            b.min[frame % 3] += step;
+            b.max[frame % 3] += step;
+            set(&f, i % f.n, b);
+        }
+        step(&f);
+        resting += grid_of(&f)->is_resting && !grid_of(&f)->in_skins;
+    }
+    if (is_free(&f)) ck_assert_int_le(resting, 5);
     right(session_close(&f.s));
 }
 END_TEST
@@ -227,9 +255,14 @@ START_TEST(wide_ones)
     if (_i == DEFAULT) ck_assert_uint_eq(count_restless(&f), WILD + WIDE);
     for (int frame = 0; frame < 8; frame++) {
         jump(&f, 0, WILD);
+        for (uint32_t i = 0; i < 3; i++) { /* some touch several rows, but are not wide */
+            float x = 2.0f * (float)frame, y = (float)frame, size = 5.0f + 4.0f * (float)i;
+            set(&f, i, box_of(x, y, 0.5f, x + size, y + size, 1));
+        }
         if (frame == 2) take_away(&f, f.n - 2);
         if (frame == 3) put_some(&f, 1, 0);
-        if (frame == 4) put(&f, box_of(-99, -99, 7, 99, 99, 8), 0);
+        if (frame == 4) put(&f, box_of(-99, -99, 0.5f, 99, 99, 8), 0); /* it meets those that are calm */
+        if (frame == 5) set(&f, WILD + CALM + 1, box_of(-99, -99, 0.25f, 99, 99, 8)); /* and so does a static one */
         step(&f);
     }
     right(session_close(&f.s));
@@ -333,6 +366,7 @@ int main(void)
     tcase_add_loop_test(tests, others_join_them_and_leave, 0, SETUPS);
     tcase_add_loop_test(tests, most_of_them_calm_down, 0, SETUPS);
     tcase_add_loop_test(tests, others_each_time, 0, SETUPS);
+    tcase_add_loop_test(tests, a_wave_passes, 0, SETUPS);
     tcase_add_loop_test(tests, it_passes, 0, SETUPS);
     tcase_add_loop_test(tests, wide_ones, 0, SETUPS);
     tcase_add_loop_test(tests, what_else_may_come_between, 0, SETUPS);
