@@ -11,7 +11,7 @@
  * In the same way boxes are pruned with skins that they just got (renew.c): then what is found are
  * candidates, which are kept, and those of them that are pairs are settled.
  *
- * Where only few boxes jump, the same ones each time, they alone are pruned then (restless.c).
+ * Where only few boxes jump, mostly the same ones each time, they alone are pruned then (restless.c).
  *
  * 1. The boxes are sorted into rows (rows.c); or, where most are in the same ones as at the last pruning, these
  *    are brought up to date (kept.c).

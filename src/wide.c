@@ -65,10 +65,10 @@ static void test_wide_ones(const struct testing *t, struct worker *w, size_t i, 
 {
     const struct pruning *p = t->pruning;
     const struct box *box = p->job->boxes->at;
-    take_unless_room(t, w, i);
     for (size_t k = 0; k < i; k++) {
         const struct readable other = bounds_of_wide(p, k);
         uint32_t both = box[p->wide[i]].flags & box[p->wide[k]].flags;
+        take_unless_room(t, w, 1);
         if (overlap(own, &other.bounds) && !(both & BOX_STATIC)) put(t, p->wide[i], p->wide[k]);
     }
 }

@@ -10,7 +10,7 @@
 #undef box
 #include "checks.h"
 
-enum { MOST = 700, CALM = 480, WILD = 30 };
+enum { MOST = 3100, CALM = 480, WILD = 30 };
 
 /* A session, the handles of its boxes and how many of these there are. The first ones are wild. */
 typedef struct field {
@@ -269,6 +269,28 @@ START_TEST(wide_ones)
 }
 END_TEST
 
+/* While a few are pruned, more boxes than a buffer has room for become wide in one commit, and all meet. */
+START_TEST(many_become_wide)
+{
+    enum { MORE = 2500, WIDE = MOST_BUFFERED + 2 * BUFFER_SLACK };
+    static field f;
+    put_field(&f, DEFAULT, 3, SCENE_SPREAD, 0);
+    put_some(&f, MORE, 0);
+    step(&f);
+    for (int frame = 0; frame < 40 && count_restless(&f) == 0; frame++) {
+        jump(&f, 0, WILD);
+        step(&f);
+    }
+    jump(&f, 0, WILD);
+    step(&f);
+    ck_assert_uint_gt(count_restless(&f), 0);
+    for (uint32_t i = 0; i < WIDE; i++) set(&f, WILD + i, box_of(-1e30f, -1e30f, -1e30f, 1e30f, 1e30f, -1e29f));
+    step(&f);
+    ck_assert_uint_ge(count_restless(&f), WIDE);
+    right(session_close(&f.s));
+}
+END_TEST
+
 /* The world is trimmed, or all boxes are given again where they are, or most go, between two commits. */
 START_TEST(what_else_may_come_between)
 {
@@ -369,6 +391,7 @@ int main(void)
     tcase_add_loop_test(tests, a_wave_passes, 0, SETUPS);
     tcase_add_loop_test(tests, it_passes, 0, SETUPS);
     tcase_add_loop_test(tests, wide_ones, 0, SETUPS);
+    tcase_add_test(tests, many_become_wide);
     tcase_add_loop_test(tests, what_else_may_come_between, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, 1);
     tcase_add_test(tests, broken);
