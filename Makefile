@@ -14,7 +14,7 @@ PREFIX ?= /usr/local
 
 # ------------------------------------------------------------------- sources
 
-CORE = src/axis.c src/box.c src/candidates.c src/cell.c src/change.c src/choose.c src/commit.c src/compare.c \
+CORE = src/axis.c src/box.c src/calm.c src/candidates.c src/cell.c src/change.c src/choose.c src/commit.c src/compare.c \
     src/grid.c src/grid_check.c src/jump.c src/kept.c src/layout.c src/memory.c src/merge.c src/move.c \
     src/near.c src/number.c src/pairs.c src/partners.c src/phase.c src/pool.c src/prune.c src/prune_api.c \
     src/ranges.c src/read.c src/rebuild.c src/renew.c src/rest.c src/restless.c src/rows.c src/sap.c src/settle.c \

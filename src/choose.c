@@ -9,7 +9,8 @@
  * What each way costs is estimated from counts alone, so that every run can be repeated.
  * The unit is the test of a neighbour, some 2 nanoseconds; the weights are from recorded
  * scenes and made ones, and bench/strategies measures them on others (but for those of a renewal, which
- * are from the times of its steps, and BOXES_A_ROW, which is estimated). What an event costs is much the same in all ways and stands in none.
+ * are from the times of its steps, and RESTLESS_ROW and CALM_BOX, which are from the times of the steps of
+ * single commits). What an event costs is much the same in all ways and stands in none.
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
  * done as one who skis for an unknown number of days should rent or buy: they are made
@@ -38,9 +39,9 @@
  *
  * When few boxes move, the others rest as they are: at once, where that costs less than a pruning even if all
  * that move leave their places, or when it would have saved as much as it costs. If those that move are too
- * wild for that, and mostly the same again and again, only they are pruned (restless.c): until boxes that stand
- * still after they have moved have cost as much as to prune all. How many others join them is told from some that
- * changed in the last commit.
+ * wild for that, and mostly the same again and again, only they are pruned (restless.c). Those of them that stand
+ * still by then are calmed (calm.c) when they have cost as much as that does. How many others join them is told
+ * from some that changed in the last commit.
  *
  * Boxes that are not static will move, and it is better that they have cells and neighbours
  * by then; but to make these for all boxes would be in vain where most are static. So a world of
@@ -49,7 +50,7 @@
 #include "internal.h"
 
 enum {
-    TRACK_MOVE = 360,       /* a box that is put elsewhere, */
+    TRACK_MOVE = 440,       /* a box that is put elsewhere, */
     TRACK_NEIGHBOUR = 10,   /* and each of its neighbours, */
     TRACK_SEARCH = 8,       /* and, of so many, each in the list of each other */
     TRACK_LEAVE = 90,       /* a box that leaves */
@@ -59,9 +60,10 @@ enum {
     JUMP_BOX_IN_LINE = 11,  /* or, where rows lie in a line, as in two dimensions, */
     JUMP_PAIR = 5,          /* and a pair; */
     WIDE_BOX = 4,           /* in one test a wide box is tested against so many others */
-    RESTLESS_BOX = 40,      /* a box that is pruned while others are not, */
-    BOXES_A_ROW = 8,        /* and the row of so many others, */
-    KNOWN_PAIR = 1,         /* and a known pair */
+    RESTLESS_BOX = 48,      /* a box that is pruned while others are not, */
+    RESTLESS_ROW = 8,       /* and a row, */
+    KNOWN_PAIR = 2,         /* and a known pair */
+    CALM_BOX = 8,           /* a box when some are put into the rows of all */
     REBUILD_BOX = 43,       /* a box when all is made anew, */
     REBUILD_NEIGHBOUR = 12, /* and a pair of neighbours */
     SKIN_BOX = 2,           /* a box while it is in its skin, */
@@ -156,18 +158,22 @@ size_t msap_count_newcomers(const struct grid *g)
 /* What it costs to prune so many boxes, wide ones, and no others. */
 static int64_t cost_of_restless(const struct grid *g, const struct job *job, int64_t n)
 {
-    int64_t boxes = (int64_t)job->boxes->live, of_wide = boxes * count_wide(g) / WIDE_BOX;
-    return n * RESTLESS_BOX + boxes / BOXES_A_ROW + of_wide + (int64_t)job->pairs->active * KNOWN_PAIR;
+    int64_t of_wide = (int64_t)job->boxes->live * count_wide(g) / WIDE_BOX;
+    int64_t rows = (int64_t)g->rows.count[0] * g->rows.count[1];
+    return n * RESTLESS_BOX + rows * RESTLESS_ROW + of_wide + (int64_t)job->pairs->active * KNOWN_PAIR;
 }
 
-/* What a commit would cost if those boxes alone that change were pruned over and over, and all now and then, since
- * those that stand still by then are pruned with them: when that is done best. */
-static int64_t cost_of_a_few(const struct grid *g, const struct job *job, const struct costs *c)
+/* What it costs to put those that stand still into the rows of the others (calm.c). */
+static int64_t cost_of_calming(const struct job *job) { return (int64_t)job->boxes->live * CALM_BOX; }
+
+/* What a commit would cost if those boxes alone that change were pruned over and over, and those that stand still by
+ * then with them until they are calmed: when that is done best. */
+static int64_t cost_of_a_few(const struct grid *g, const struct job *job)
 {
     enum { LONGEST = 6 };
     int64_t idle = (int64_t)msap_count_newcomers(g) * RESTLESS_BOX, most = INT64_MAX;
     for (int k = 0; k <= LONGEST; k++) { /* in every 2^k-th commit */
-        int64_t more = idle * ((1 << k) - 1) / 2 + (c->jump >> k);
+        int64_t more = idle * ((1 << k) - 1) / 2 + (cost_of_calming(job) >> k);
         if (more < most) most = more;
     }
     return cost_of_restless(g, job, (int64_t)job->boxes->n_changed) + most;
@@ -177,7 +183,7 @@ static int64_t cost_of_a_few(const struct grid *g, const struct job *job, const 
 static int64_t cost_of_pruning(const struct grid *g, const struct job *job, const struct costs *c)
 {
     int is_known = g->watch.n > 0 || g->restless.n > 0;
-    int64_t few = is_known ? cost_of_a_few(g, job, c) : c->jump;
+    int64_t few = is_known ? cost_of_a_few(g, job) : c->jump;
     return few < c->jump ? few : c->jump;
 }
 
@@ -485,13 +491,17 @@ static enum way try_or_jump(struct grid *g, const struct job *job, const struct 
 }
 
 /* While nothing is kept: whether only the restless boxes are pruned. Those of them that stand still by now are
- * pruned in vain. When they have cost as much as to prune all, that is done: again one who rents or buys. */
+ * pruned in vain, until that has cost as much as to calm them: again one who rents or buys. Rows that do not suit the
+ * boxes any more are made anew. */
 static enum way prune(const struct grid *g, const struct job *job, const struct costs *c)
 {
-    const struct restless *r = &g->restless;
-    int64_t now = cost_of_restless(g, job, (int64_t)r->n), idle = (int64_t)r->idle * RESTLESS_BOX;
-    int may = cost_of_a_few(g, job, c) < c->jump;
-    return may && now + idle < c->jump ? PRUNE_RESTLESS : JUMP_OR_REBUILD;
+    enum { COMMITS = 256 };
+    const struct rows *rows = &g->rows;
+    int64_t idle = (int64_t)g->restless.idle * RESTLESS_BOX;
+    if (cost_of_a_few(g, job) >= c->jump) return JUMP_OR_REBUILD;
+    if (idle < cost_of_calming(job)) return PRUNE_RESTLESS;
+    int are_old = msap_is_outgrown(rows->chosen_for, job->boxes->live) || g->commit - rows->chosen_at > COMMITS;
+    return are_old ? JUMP_OR_REBUILD : CALM_AND_PRUNE;
 }
 
 /* While nothing is kept, and few boxes move: they rest if, even should all be put elsewhere once, it takes less

@@ -837,6 +837,7 @@ enum { REACH = 8 };
 enum { ROW_SLACK = 16 }; /* entries that may be read behind the last, and whose slots may be written */
 
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries);
+void msap_row_set_close(struct row_set *set, size_t entries);
 void msap_row_set_free(struct row_set *set, struct memory *m);
 const char *msap_row_set_broken(const struct row_set *set);
 
@@ -957,12 +958,13 @@ struct upkeep {
 };
 
 /* Boxes that are pruned in every commit while all others, calm ones, are not (restless.c). While there are some, the
- * bounds before of a calm box that has not changed are what it is now. */
+ * bounds before of a calm box that has not changed are what it is now, and the rows hold all calm boxes as they are. */
 struct restless {
     uint32_t *slot; /* [n] in any order; none while the rows hold all boxes */
     size_t n, room;
     struct row_set set; /* them alone, in the same rows, for a commit */
-    size_t idle;        /* how many stood still, in all commits together */
+    size_t wide;        /* how many touched too many rows in the last commit: they stay restless */
+    size_t idle;        /* how many others stood still, in all commits since all were pruned or some calmed */
     size_t newcomers;   /* how many joined them in the last commit */
 };
 
@@ -1142,7 +1144,8 @@ enum way {
     JUMP_OR_TRACK, /* where a scene is not suited */
     JUMP_OR_REBUILD,
     JUMP_INTO_SKINS,
-    PRUNE_RESTLESS
+    PRUNE_RESTLESS,
+    CALM_AND_PRUNE
 };
 void msap_watch(struct grid *g);
 size_t msap_count_newcomers(const struct grid *g);
@@ -1156,7 +1159,7 @@ int msap_partners_settle(struct grid *g, struct settler *s, uint32_t slot);
 void msap_partners_forget(struct grid *g);
 void msap_partners_free(struct grid *g, struct memory *m);
 const char *msap_partners_broken(const struct grid *g, const struct pair_table *pairs);
-int msap_grid_prune_restless(struct grid *g, struct job *job);
+int msap_grid_prune_restless(struct grid *g, struct job *job, int calms);
 void msap_wide_note(struct grid *g, const struct pruning *p);
 int64_t msap_wide_pairs(const struct grid *g, const struct pair_table *pairs);
 void msap_restless_forget(struct grid *g);

@@ -128,7 +128,13 @@ int msap_rest_begin(struct grid *g, struct job *job, size_t n)
 
 /* ------------------------------------------------------------------ checking */
 
-/* The bounds of a box that rests that the rows hold. */
+/* Whether the rows hold a box: it rests or, while some are restless, is calm. */
+static int is_in_rows(const struct grid *g, const struct box *b)
+{
+    return rests(g, b) || (g->restless.n > 0 && is_calm(b) && (b->flags & BOX_WAS));
+}
+
+/* The bounds of such a box that the rows hold. */
 static const struct bounds *bounds_in_rows(const struct grid *g, uint32_t slot)
 {
     return g->rows_hold_skins ? &g->boxes->at[slot].fat : box_before(g->boxes, slot);
@@ -141,7 +147,7 @@ static uint64_t rows_touched(const struct grid *g, uint32_t slot)
     return rows_in(&span);
 }
 
-/* Whether an entry of a box that rests has other bounds than the box. */
+/* Whether an entry of such a box has other bounds than the box. */
 static int is_entry_broken(const struct grid *g, uint32_t i)
 {
     const struct row_set *set = &g->row_set;
@@ -151,7 +157,7 @@ static int is_entry_broken(const struct grid *g, uint32_t i)
     return 0;
 }
 
-/* Adds the entries of a row of boxes that rest to *entries. */
+/* Adds the entries of a row of such boxes to *entries. */
 static const char *row_broken(const struct grid *g, size_t row, uint64_t *entries)
 {
     const struct row_set *set = &g->row_set;
@@ -163,8 +169,8 @@ static const char *row_broken(const struct grid *g, size_t row, uint64_t *entrie
         most = set->max[0][i] > most ? set->max[0][i] : most;
         if (((i - start) % REACH == REACH - 1 || i + 1 == set->end[row]) && reach[(i - start) / REACH] != most)
             return "a row reaches elsewhere than is told";
-        if (!rests(g, &g->boxes->at[slot])) continue;
-        if (is_entry_broken(g, i)) return "a row has other bounds than the box that rests in it";
+        if (!is_in_rows(g, &g->boxes->at[slot])) continue;
+        if (is_entry_broken(g, i)) return "a row has other bounds than a box in it";
         ++*entries;
     }
     return NULL;
@@ -176,10 +182,10 @@ const char *msap_rest_broken(const struct grid *g)
     uint64_t expected = 0, entries = 0;
     size_t rows = (size_t)g->rows.count[0] * g->rows.count[1];
     for (uint32_t slot = 0; slot < g->boxes->used; slot++)
-        if (rests(g, &g->boxes->at[slot])) expected += rows_touched(g, slot);
+        if (is_in_rows(g, &g->boxes->at[slot])) expected += rows_touched(g, slot);
     for (size_t row = 0; row < rows; row++) {
         const char *broken = row_broken(g, row, &entries);
         if (broken) return broken;
     }
-    return entries == expected ? NULL : "a box that rests is not in all rows that it touches";
+    return entries == expected ? NULL : "a box is not in all rows that it touches";
 }

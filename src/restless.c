@@ -5,8 +5,8 @@
  *
  * After a jump (jump.c) the rows hold all boxes but the wide ones. Where few of them move then, but so wildly that
  * it would not pay to track them, the others need not be pruned again. Boxes that change are restless
- * from then on, and wide ones are, until all are pruned once more: when those of them that stand still
- * by now have cost as much as that.
+ * from then on, and wide ones are, until all are pruned once more, or until they are calmed: when those that stand
+ * still by now have cost as much as that (calm.c).
  *
  * 1. Restless boxes are sorted into rows of their own, but for wide ones: the same rows as those of the others.
  * 2. These rows are swept: a batch insertion (paper I.4b) that is undone before the next one; and from each box in
@@ -20,9 +20,6 @@ struct restless_pruning {
     struct grid *grid;
     struct pruning pruning;
 };
-
-/* Boxes that are not restless: the rows hold them as they are. */
-static inline int is_calm(const struct box *b) { return (b->flags & (BOX_LIVE | BOX_RESTLESS)) == BOX_LIVE; }
 
 /* ------------------------------------------------------------------- step 1 */
 
@@ -75,16 +72,20 @@ static int gather(struct grid *g, const struct job *job)
     if (n == 0 && !begin(g, job->memory)) return 0;
     for (size_t i = 0; i < t->n_changed; i++) disturb(g, t->changed[i]);
     r->newcomers = n > 0 ? r->n - n : joined_first;
-    if (r->n > t->n_changed) r->idle += r->n - t->n_changed;
+    if (r->n > t->n_changed + r->wide) r->idle += r->n - t->n_changed - r->wide;
     return 1;
 }
 
-/* Sorts them into their rows. Returns 0 without memory. */
-static int make_rows(struct restless_pruning *all)
+/* Sorts n of them into rows of their own. Returns 0 without memory. */
+int msap_restless_list(struct grid *g, struct job *job, struct pruning *p, const uint32_t *slot, size_t n)
 {
-    const struct restless *r = &all->grid->restless;
-    struct pruning *p = &all->pruning;
-    if (!msap_rows_count_few(p, r->slot, r->n, p->job->scratch) || !msap_rows_sort(p)) return 0;
+    const struct pruning few = {.job = job,
+                                .rows = &g->rows,
+                                .set = &g->restless.set,
+                                .slots = job->boxes->used,
+                                .bounds = bounds_now(job->boxes)};
+    *p = few;
+    if (!msap_rows_count_few(p, slot, n, job->scratch) || !msap_rows_sort(p)) return 0;
     msap_rows_list(p);
     msap_rows_fill(p);
     return 1;
@@ -147,21 +148,20 @@ static void test_wide(void *context, struct worker *w, size_t first, size_t last
 
 /* ---------------------------------------------------------------- the whole */
 
-/* While the rows hold all boxes that are not restless: finds the events. Returns 0 without memory. */
-int msap_grid_prune_restless(struct grid *g, struct job *job)
+/* While the rows hold all boxes that are not restless: finds the events; if it calms, those that stand still are
+ * restless no more. Returns 0 without memory. */
+int msap_grid_prune_restless(struct grid *g, struct job *job, int calms)
 {
     struct restless_pruning all = {.grid = g};
+    struct restless *r = &g->restless;
     struct pruning *p = &all.pruning;
-    if (!gather(g, job)) return 0;
-    g->moves = g->restless.n;
-    p->job = job;
-    p->rows = &g->rows;
-    p->set = &g->restless.set;
-    p->slots = job->boxes->used;
-    p->bounds = bounds_now(job->boxes);
-    if (!make_rows(&all) || !msap_phase_run(job->crew, job->memory, sweep, &all, p->entries, 2 * WEIGHT_ROW_BOX) ||
+    if (!gather(g, job) || (calms && !msap_calm(g, job))) return 0;
+    g->moves = r->n;
+    if (!msap_restless_list(g, job, p, r->slot, r->n) ||
+        !msap_phase_run(job->crew, job->memory, sweep, &all, p->entries, 2 * WEIGHT_ROW_BOX) ||
         !msap_phase_run(job->crew, job->memory, test_wide, &all, p->n_wide, job->boxes->live * WEIGHT_TOUCH))
         return 0;
+    r->wide = p->n_wide;
     msap_touch_known_pairs(job);
     return 1;
 }
@@ -172,7 +172,7 @@ void msap_restless_forget(struct grid *g)
     struct restless *r = &g->restless;
     for (size_t i = 0; i < r->n; i++)
         if (r->slot[i] < g->boxes->used) g->boxes->at[r->slot[i]].flags &= ~(uint32_t)BOX_RESTLESS;
-    r->n = r->idle = 0;
+    r->n = r->idle = r->wide = 0;
 }
 
 void msap_restless_free(struct grid *g, struct memory *m)
@@ -207,5 +207,6 @@ const char *msap_restless_broken(const struct grid *g)
     }
     for (size_t i = 0; i < r->n; i++)
         listed += (t->at[r->slot[i]].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
-    return listed == marked ? NULL : "a restless box is not listed";
+    if (listed != marked) return "a restless box is not listed";
+    return r->n > 0 ? msap_rest_broken(g) : NULL;
 }

@@ -242,11 +242,13 @@ void msap_rows_fill(struct pruning *j)
 
 static void reach_in_row(struct row_set *set, size_t row)
 {
-    uint32_t start = row_start(set, row);
+    uint32_t start = row_start(set, row), end = set->end[row];
+    const int32_t *max = set->max[0];
     int32_t *reach = set->reach + reach_of(row, start), most = INT32_MIN;
-    for (uint32_t i = start; i < set->end[row]; i++) {
-        most = set->max[0][i] > most ? set->max[0][i] : most;
-        reach[(i - start) / REACH] = most;
+    for (uint32_t i = start; i < end;) {
+        uint32_t last = end - i < REACH ? end : i + REACH;
+        for (; i < last; i++) most = max[i] > most ? max[i] : most;
+        *reach++ = most;
     }
 }
 
@@ -329,6 +331,16 @@ size_t msap_rows_ask(const struct rows *r, const struct bounds *where, const str
 
 /* ------------------------------------------------------------------ the set */
 
+/* Behind so many entries, as many or fewer than there is room for, is slack that can be read. */
+void msap_row_set_close(struct row_set *set, size_t entries)
+{
+    for (size_t k = 0; k < 3; k++) {
+        memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
+        memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
+    }
+    memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
+}
+
 /* Room for so many entries, and slack behind them that can be read. Returns 0 without
  * memory. */
 int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
@@ -339,11 +351,9 @@ int msap_row_set_make(struct row_set *set, struct memory *m, size_t entries)
     for (size_t k = 0; k < 3; k++) {
         set->min[k] = set->words + 2 * k * (entries + ROW_SLACK);
         set->max[k] = set->min[k] + entries + ROW_SLACK;
-        memset(set->min[k] + entries, 0, ROW_SLACK * sizeof *set->min[k]);
-        memset(set->max[k] + entries, 0, ROW_SLACK * sizeof *set->max[k]);
     }
     set->id = (uint32_t *)(void *)(set->max[2] + entries + ROW_SLACK);
-    memset(set->id + entries, 0, ROW_SLACK * sizeof *set->id);
+    msap_row_set_close(set, entries);
     return 1;
 }
 

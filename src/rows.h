@@ -62,6 +62,9 @@ static inline size_t reach_of(size_t row, size_t start) { return start / REACH +
 /* Where a row starts. */
 static inline uint32_t row_start(const struct row_set *set, size_t row) { return row > 0 ? set->end[row - 1] : 0; }
 
+/* Boxes that are not restless (restless.c): the rows hold them as they are. */
+static inline int is_calm(const struct box *b) { return (b->flags & (BOX_LIVE | BOX_RESTLESS)) == BOX_LIVE; }
+
 /* Asks a row, when n have been found in others. Returns how many are found then, or SIZE_MAX without room. */
 typedef size_t (*ask_one_row_fn)(const void *context, struct worker *w, const struct row_question *q, size_t row,
                                  size_t n);
@@ -77,6 +80,9 @@ int msap_kept_are_most(const struct pruning *p);
 size_t msap_kept_words(const struct pruning *p);
 uint64_t *msap_kept_place(struct pruning *p, uint64_t *words);
 void msap_kept_merge(struct pruning *p, const uint32_t *coming);
+
+int msap_restless_list(struct grid *g, struct job *job, struct pruning *p, const uint32_t *slot, size_t n);
+int msap_calm(struct grid *g, struct job *job);
 
 void msap_rows_choose(struct pruning *p, uint32_t commit, uint32_t most);
 int msap_rows_count(struct pruning *p, struct scratch *words);

@@ -289,7 +289,8 @@ static uint32_t update(struct grid *g, struct job *job, uint32_t strategy)
     size_t misplaced = g->is_tracking ? misplaced_first(g, job->boxes) : 0;
     enum way way = way_by(strategy, g, job, misplaced);
     g->commit++;
-    if (way == PRUNE_RESTLESS) return msap_grid_prune_restless(g, job) ? MSAP_STRATEGY_SWEEP : 0;
+    if (way == PRUNE_RESTLESS || way == CALM_AND_PRUNE)
+        return msap_grid_prune_restless(g, job, way == CALM_AND_PRUNE) ? MSAP_STRATEGY_SWEEP : 0;
     if (way == JUMP_INTO_SKINS) {
         int done = msap_grid_jump_into_skins(g, job);
         if (done != UNSUITED) return done ? MSAP_STRATEGY_SWEEP : 0;

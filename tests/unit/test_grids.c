@@ -446,8 +446,8 @@ static void choose_crowd(int many)
     side = many ? 42 : 19;
 }
 
-/* A field whose boxes move by a step: ALL, forth and back; SOME, every eighth one, back; FEW, every
- * sixty-fourth; FAST: far.
+/* A field whose boxes move by a step: ALL, forth and back; SOME, every eighth one, back; FEW, one in 250;
+ * FAST: far.
  * Returns how many of so many commits kept cells. */
 static int commits_that_track(session *s, int which, float step, int commits)
 {
@@ -456,7 +456,7 @@ static int commits_that_track(session *s, int which, float step, int commits)
     for (frame = 0; frame < commits; frame++) {
         for (i = 0; i < crowd; i++) {
             float by = (frame + i) % 2 ? step : -step;
-            if (!(which & ALL) && (i + frame) % (which & SOME ? 8 : 64) != 0)
+            if (!(which & ALL) && (i + frame) % (which & SOME ? 8 : 250) != 0)
                 continue;
             if (which & FAST)
                 at[i] = in_square(&s->random, side, 1);

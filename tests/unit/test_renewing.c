@@ -836,7 +836,7 @@ END_TEST
  * a limit. */
 START_TEST(motion_says_next_to_nothing)
 {
-    enum { LONELY = 250, GROUP = 29, STEPS = 9, MOST_DOUBT = 256 };
+    enum { LONELY = 250, GROUP = 24, STEPS = 11, MOST_DOUBT = 256 };
     uint32_t doubt = 0;
     walkers w;
     open_walk(&w, DEFAULT, 3, 25);

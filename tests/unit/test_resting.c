@@ -418,16 +418,16 @@ START_TEST(broken_rows)
     size_t last = (size_t)g->rows.count[0] * g->rows.count[1] - 1;
     for (int k = 0; k < 3; k++) {
         g->row_set.min[k][7]--;
-        is_broken(l.s.world, "a row has other bounds than the box that rests in it");
+        is_broken(l.s.world, "a row has other bounds than a box in it");
         g->row_set.min[k][7]++;
         if (k == 0) continue;
         g->row_set.max[k][7]--;
-        is_broken(l.s.world, "a row has other bounds than the box that rests in it");
+        is_broken(l.s.world, "a row has other bounds than a box in it");
         g->row_set.max[k][7]++;
     }
     uint32_t end = g->row_set.end[last];
     g->row_set.end[last] = last > 0 ? g->row_set.end[last - 1] : 0;
-    is_broken(l.s.world, "a box that rests is not in all rows that it touches");
+    is_broken(l.s.world, "a box is not in all rows that it touches");
     g->row_set.end[last] = end;
     g->row_set.reach[0]++;
     is_broken(l.s.world, "a row reaches elsewhere than is told");
