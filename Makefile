@@ -209,6 +209,10 @@ $(BUILD)/%.o: %.c $(BUILD)/settings
 	$(call say,cc $<)
 	$(Q)$(COMPILE) -c $< -o $@
 
+# Tests spend their time in the library and in brute force: they are not worth optimizing.
+TEST_FLAGS ?= -O0
+$(BUILD)/tests/unit/test_%.o: private override CFLAGS += $(TEST_FLAGS)
+
 # Brute force goes by columns, which a compiler makes vectors of if asked to.
 REFERENCE_FLAGS ?= -O3
 $(BUILD)/tests/unit/common.o: private override CFLAGS += $(REFERENCE_FLAGS)

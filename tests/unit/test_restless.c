@@ -171,6 +171,9 @@ START_TEST(most_of_them_calm_down)
 }
 END_TEST
 
+/* Those that stand still have cost so much that they are calmed in the next commit. */
+static void calm_soon(field *f) { grid_of(f)->restless.idle = count_restless(f) > 0 ? UINT32_MAX : 0; }
+
 /* Those that stand still are calmed in every commit, while boxes of all kinds jump, stand still, come and go, into slots
  * that others had; some are wide, and stay restless, until they are so no more. */
 START_TEST(they_calm_in_every_commit)
@@ -189,13 +192,30 @@ START_TEST(they_calm_in_every_commit)
         if (frame == FRAMES / 2) jump(&f, WILD + CALM / 2, WILD + CALM / 2 + 2);
         if (frame % 8 == 4) set(&f, 1, box_of(-99, -99, 0.5f, 99, 99, 8));
         if (frame % 8 == 7) jump(&f, 1, 2);
-        grid_of(&f)->restless.idle = count_restless(&f) > 0 ? UINT32_MAX : 0;
+        calm_soon(&f);
         n = f.s.world->boxes.n_changed;
         step(&f);
         if (before > 0 && count_restless(&f) > 0) ck_assert_uint_le(count_restless(&f), n + WIDE + 1);
         calmed += before > 0 && count_restless(&f) > 0;
     }
     if (_i == DEFAULT) ck_assert_uint_ge(calmed, FRAMES / 2);
+    right(session_close(&f.s));
+}
+END_TEST
+
+/* They are not where rows are old: then all are pruned, in new ones. */
+START_TEST(rows_grow_old)
+{
+    field f;
+    open_field(&f, _i, 3, SCENE_SPREAD);
+    jump(&f, 0, 1);
+    step(&f);
+    calm_soon(&f);
+    grid_of(&f)->rows.chosen_at -= 300;
+    jump(&f, 0, 1);
+    step(&f);
+    if (is_free(&f)) ck_assert_uint_eq(count_restless(&f), 0);
+    if (is_free(&f)) ck_assert_uint_eq(grid_of(&f)->rows.chosen_at, grid_of(&f)->commit);
     right(session_close(&f.s));
 }
 END_TEST
@@ -286,6 +306,12 @@ START_TEST(wide_ones)
     field f;
     open_field_with(&f, _i, 3, SCENE_GRID, WIDE);
     if (_i == DEFAULT) ck_assert_uint_eq(count_restless(&f), WILD + WIDE);
+    grid_of(&f)->restless.idle = 0;
+    for (int frame = 0; frame < 4; frame++) {
+        jump(&f, 0, WILD);
+        step(&f);
+    }
+    ck_assert_uint_eq(grid_of(&f)->restless.idle, 0); /* it is no matter that they stand still */
     for (int frame = 0; frame < 8; frame++) {
         jump(&f, 0, WILD);
         for (uint32_t i = 0; i < 3; i++) { /* some touch several rows, but are not wide */
@@ -367,6 +393,9 @@ static void play(field *f, int row, int wide, int all, size_t n)
         put_some(f, 4, 0);
         step(f);
     }
+    calm_soon(f);
+    jump(f, 0, WILD);
+    step(f);
 }
 
 /* The n-th allocation fails, for n = 1, 2, ... until it needs no n-th, or all from the n-th on: the commit fails or
@@ -423,6 +452,7 @@ int main(void)
     tcase_add_loop_test(tests, others_join_them_and_leave, 0, SETUPS);
     tcase_add_loop_test(tests, most_of_them_calm_down, 0, SETUPS);
     tcase_add_loop_test(tests, they_calm_in_every_commit, 0, SETUPS);
+    tcase_add_loop_test(tests, rows_grow_old, 0, SETUPS);
     tcase_add_loop_test(tests, others_each_time, 0, SETUPS);
     tcase_add_loop_test(tests, a_wave_passes, 0, SETUPS);
     tcase_add_loop_test(tests, it_passes, 0, SETUPS);
