@@ -247,6 +247,26 @@ START_TEST(others_each_time)
 }
 END_TEST
 
+/* Where others jump in each commit, but few of very many, these are put elsewhere one by one: to prune them, and to
+ * calm those before, would cost more. */
+START_TEST(few_others_of_many_each_time)
+{
+    enum { MORE = 2500, FEW = 16, FRAMES = 40 };
+    static field f;
+    int resting = 0;
+    put_field(&f, DEFAULT, 3, SCENE_SPREAD, 0);
+    put_some(&f, MORE, 0);
+    for (uint32_t frame = 0; frame < FRAMES; frame++) {
+        jump(&f, frame * FEW, (frame + 1) * FEW);
+        right(session_commit(&f.s));
+        resting += grid_of(&f)->is_resting;
+    }
+    step(&f);
+    ck_assert_int_ge(resting, FRAMES - 8);
+    right(session_close(&f.s));
+}
+END_TEST
+
 /* Boxes are awake for three commits each, one after the other, and in the others calm: that others will wake is known,
  * so that boxes do not rest while each that wakes would have to be put elsewhere. */
 START_TEST(a_wave_passes)
@@ -454,6 +474,7 @@ int main(void)
     tcase_add_loop_test(tests, they_calm_in_every_commit, 0, SETUPS);
     tcase_add_loop_test(tests, rows_grow_old, 0, SETUPS);
     tcase_add_loop_test(tests, others_each_time, 0, SETUPS);
+    tcase_add_test(tests, few_others_of_many_each_time);
     tcase_add_loop_test(tests, a_wave_passes, 0, SETUPS);
     tcase_add_loop_test(tests, it_passes, 0, SETUPS);
     tcase_add_loop_test(tests, wide_ones, 0, SETUPS);
