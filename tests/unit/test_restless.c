@@ -251,7 +251,7 @@ END_TEST
  * calm those before, would cost more. */
 START_TEST(few_others_of_many_each_time)
 {
-    enum { MORE = 2500, FEW = 16, FRAMES = 40 };
+    enum { MORE = 2500, FEW = 24, FRAMES = 40 };
     static field f;
     int resting = 0;
     put_field(&f, DEFAULT, 3, SCENE_SPREAD, 0);
