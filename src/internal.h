@@ -134,7 +134,7 @@ enum {
     BOX_LIVE = 1,     /* its handle is valid: added and not removed */
     BOX_WAS = 2,      /* it took part in the last successful commit */
     BOX_STATIC = 4,   /* added with MSAP_STATIC */
-    BOX_RESTLESS = 8, /* it is in no row since it moved (restless.c) */
+    BOX_RESTLESS = 8, /* it is in no row since it moved, until it is calmed (restless.c) */
     BOX_STORED = 16,  /* its end points are in the sorted axes */
     BOX_REMOVED = 32, /* it was removed, and its slot waits for the commit that reports it */
     BOX_NEW = 64,     /* within a commit: its end points were just put in, its pairs are to be found */
@@ -824,7 +824,7 @@ static inline uint32_t row_slot(uint32_t id) { return id & ~ROW_MARKS; }
 struct row_set {
     int32_t *min[3], *max[3];
     uint32_t *id;            /* slots with marks */
-    int32_t *words;          /* all of them */
+    int32_t *words;          /* all of them, one after the other, equally far apart */
     uint32_t *end;           /* [rows] behind the last entry of each row */
     int32_t *reach;          /* if it was noted (rows.c) */
     struct rows rows;        /* which rows these are */
