@@ -14,11 +14,11 @@ PREFIX ?= /usr/local
 
 # ------------------------------------------------------------------- sources
 
-CORE = src/axis.c src/box.c src/calm.c src/candidates.c src/cell.c src/change.c src/choose.c src/commit.c src/compare.c \
-    src/grid.c src/grid_check.c src/jump.c src/kept.c src/layout.c src/memory.c src/merge.c src/move.c \
-    src/near.c src/number.c src/pairs.c src/partners.c src/phase.c src/pool.c src/prune.c src/prune_api.c \
-    src/ranges.c src/read.c src/rebuild.c src/renew.c src/rest.c src/restless.c src/rows.c src/sap.c src/settle.c \
-    src/share.c src/shift.c src/simd.c src/skin.c src/slide.c src/sort.c src/status.c \
+CORE = src/axis.c src/box.c src/calm.c src/candidates.c src/cell.c src/change.c src/choose.c src/commit.c \
+    src/compare.c src/grid.c src/grid_check.c src/jump.c src/kept.c src/layout.c src/memory.c src/merge.c \
+    src/move.c src/near.c src/number.c src/pairs.c src/partners.c src/phase.c src/pool.c src/prune.c \
+    src/prune_api.c src/ranges.c src/read.c src/rebuild.c src/renew.c src/rest.c src/restless.c src/rows.c \
+    src/sap.c src/settle.c src/share.c src/shift.c src/simd.c src/skin.c src/slide.c src/sort.c src/status.c \
     src/touch.c src/track.c src/update.c src/validate.c src/wide.c src/world.c
 TOOL = tools/main.c tools/player.c tools/replay.c tools/setup.c tools/stream.c tools/trace.c \
     examples/thread_pool.c

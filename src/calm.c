@@ -68,8 +68,9 @@ static void tag_restless(struct worker *w, const struct restless *r)
     for (size_t i = 0; i < r->n; i++) w->tag[r->slot[i]] = w->token;
 }
 
-/* Puts restless boxes, which have rows of their own, into those of the calm ones. In which row a box is, is not known
- * from then on. Returns 0 without memory. */
+/* Puts restless boxes, which have rows of their own, into those of the calm ones. They are written to the set for
+ * the rows of a renewal, of which there is none while boxes are restless; then both sets change places. In which row
+ * a box is, is not known from then on. Returns 0 without memory. */
 static int merge(struct grid *g, const struct job *job, const struct row_set *coming)
 {
     struct row_set *to = &g->renewal.set, merged;

@@ -9,8 +9,8 @@
  * What each way costs is estimated from counts alone, so that every run can be repeated.
  * The unit is the test of a neighbour, some 2 nanoseconds; the weights are from recorded
  * scenes and made ones, and bench/strategies measures them on others (but for those of a renewal, which
- * are from the times of its steps, and RESTLESS_ROW and CALM_BOX, which are from the times of the steps of
- * single commits). What an event costs is much the same in all ways and stands in none.
+ * are from the times of its steps, CALM_BOX, which is from the times of some commits, and RESTLESS_ROW, which
+ * is estimated). What an event costs is much the same in all ways and stands in none.
  *
  * Cells and lists pay over many commits or not at all, and to make them is dear. So it is
  * done as one who skis for an unknown number of days should rent or buy: they are made

@@ -96,10 +96,10 @@ void msap_grid_empty(struct grid *g, struct memory *m)
 {
     msap_grid_empty_cells(g, m);
     for (size_t slot = 0; slot < g->boxes->used; slot++) box_forget_place(&g->boxes->at[slot]);
-    if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
+    forget_rows_of_skins(g);
     msap_restless_forget(g);
     msap_partners_forget(g);
-    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
 }

@@ -1044,6 +1044,13 @@ static inline const struct bounds *bounds_in_grid(const struct grid *g, uint32_t
     return rests(g, b) && !g->in_skins ? box_before(g->boxes, slot) : &b->fat;
 }
 
+/* The rows are not for skins any more: other ones suit boxes as they are. */
+static inline void forget_rows_of_skins(struct grid *g)
+{
+    if (g->rows_hold_skins) g->rows.chosen_for = 0;
+    g->rows_hold_skins = 0;
+}
+
 void msap_grid_init(struct grid *g, const msap_config *config, struct box_table *boxes);
 void msap_grid_empty_cells(struct grid *g, struct memory *m);
 void msap_grid_empty(struct grid *g, struct memory *m);

@@ -135,8 +135,7 @@ static int count_all(struct grid *g, struct job *job, struct pruning *p)
         return UNSUITED;              /* GCOVR_EXCL_LINE: the same */
     *p = all;
     msap_restless_forget(g);
-    if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these, which are wider */
-    g->rows_hold_skins = 0;
+    forget_rows_of_skins(g);
     msap_rows_choose(p, g->commit, COMMITS);
     if (!msap_rows_count(p, job->scratch)) return 0;
     msap_wide_note(g, p);

@@ -414,8 +414,8 @@ int msap_grid_rebuild(struct grid *g, struct job *job)
     msap_restless_forget(g);
     msap_partners_forget(g);
     msap_grid_empty_cells(g, job->memory);
-    if (g->rows_hold_skins) g->rows.chosen_for = 0; /* for these */
-    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = g->rows_hold_skins = 0;
+    forget_rows_of_skins(g);
+    g->is_tracking = g->is_jumping = g->is_resting = g->in_skins = 0;
     g->renewal.next = NO_RENEWAL;
     g->quiet = 0;
     msap_upkeep_begins(g);

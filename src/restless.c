@@ -201,6 +201,7 @@ const char *msap_restless_broken(const struct grid *g)
     const struct box_table *t = g->boxes;
     size_t marked = 0, listed = 0;
     if (r->n > 0 && !g->is_jumping) return "boxes are restless while others are tracked";
+    if (r->n > 0 && g->renewal.next != NO_RENEWAL) return "boxes are restless during a renewal";
     for (uint32_t slot = 0; slot < t->used; slot++) {
         if (r->n > 0 && is_before_broken(t, slot)) return "a calm box was elsewhere before";
         marked += (t->at[slot].flags & (BOX_WAS | BOX_RESTLESS)) == (BOX_WAS | BOX_RESTLESS);
