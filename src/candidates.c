@@ -101,29 +101,60 @@ static void touch(void *context, struct worker *w, size_t first, size_t last)
     else touch_some(t->grid, w, i, end, 0);
 }
 
-/* The same of the first ones, which do not know what they were, and lets them know what they are. Those with a box
- * that did not rest when all got skins mean nothing: others were found for it (renew.c). */
+/* Settles a candidate that does not know what it was, and lets it know what it is. It is named if it means nothing,
+ * or if a box of it left: then its place is vacant. */
+static void tell_one(const struct box_table *t, struct worker *w, uint64_t *c, size_t i)
+{
+    uint32_t a = (uint32_t)(c[i] >> 32), b = near_slot((uint32_t)c[i]);
+    const struct box *p = &t->at[a], *q = &t->at[b];
+    int is_void = candidate_is_void(t, a, b), is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
+    if (is_void || box_has_left(p) || box_has_left(q)) msap_worker_put(w, i | VACANT);
+    if (is_void) return;
+    c[i] = (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
+    if (is != were_pair(t, a, b)) msap_settle_change(&w->settler, pair_key(a, b), is);
+}
+
+static ALWAYS_INLINE gaps gaps_before(const struct past *past, uint64_t c)
+{
+    return gaps_of(&past[c >> 32].before, &past[near_slot((uint32_t)c)].before);
+}
+
+static ALWAYS_INLINE uint32_t is_void_at(const struct box_table *t, uint64_t c)
+{
+    return (uint32_t)candidate_is_void(t, (uint32_t)(c >> 32), near_slot((uint32_t)c));
+}
+
+/* The same of candidates i ... end - 1, when the bounds before of all boxes are in `past`. Nearly all are as they
+ * were: so they are looked at by fours. */
+static ALWAYS_INLINE void tell_some(const struct box_table *t, struct worker *w, uint64_t *c, size_t i, size_t end,
+                                    int fetches)
+{
+    for (; end - i >= 4; i += 4) {
+        for (size_t k = 0; fetches && k < 4; k++) fetch_ahead(t, c, i + k, end, 1);
+        uint32_t left, are = overlaps_and_fourth(gaps_at(t->at, c[i]), gaps_at(t->at, c[i + 1]),
+                                                 gaps_at(t->at, c[i + 2]), gaps_at(t->at, c[i + 3]), &left);
+        uint32_t were = overlaps_of(gaps_before(t->past, c[i]), gaps_before(t->past, c[i + 1]),
+                                    gaps_before(t->past, c[i + 2]), gaps_before(t->past, c[i + 3]));
+        uint32_t odd = left | (are ^ were) | is_void_at(t, c[i]) | is_void_at(t, c[i + 1]) << 1 |
+                       is_void_at(t, c[i + 2]) << 2 | is_void_at(t, c[i + 3]) << 3;
+        for (size_t k = 0; k < 4; k++, odd >>= 1, are >>= 1) {
+            if (odd & 1) tell_one(t, w, c, i + k);
+            else c[i + k] = (c[i + k] & ~(uint64_t)NEAR_PAIR) | (uint64_t)(are & 1) << 31;
+        }
+    }
+    for (; i < end; i++) tell_one(t, w, c, i);
+}
+
+/* The same of the first ones, which do not know what they were. Those with a box that did not rest when all got
+ * skins mean nothing: others were found for it (renew.c). */
 static void touch_untold(void *context, struct worker *w, size_t first, size_t last)
 {
     const struct touching *t = context;
     const struct box_table *boxes = t->grid->boxes;
     uint64_t *c = t->grid->candidates.at;
-    int are_many = boxes->used > MANY_BOXES;
     w->settler.touched += last - first;
-    for (size_t i = first; i < last; i++) {
-        uint32_t a = (uint32_t)(c[i] >> 32), b = near_slot((uint32_t)c[i]);
-        if (are_many) fetch_ahead(boxes, c, i, last, 1);
-        if (candidate_is_void(boxes, a, b)) {
-            msap_worker_put(w, i | VACANT);
-            continue;
-        }
-        const struct box *p = &boxes->at[a], *q = &boxes->at[b];
-        int left = box_has_left(p) | box_has_left(q), was = were_pair(boxes, a, b);
-        int is = (p->flags & q->flags & BOX_LIVE) && overlap(&p->now, &q->now);
-        c[i] = (uint64_t)a << 32 | b | (is ? NEAR_PAIR : 0);
-        if (left) msap_worker_put(w, i | VACANT);
-        if (is != was) msap_settle_change(&w->settler, pair_key(a, b), is);
-    }
+    if (boxes->used > MANY_BOXES) tell_some(boxes, w, c, first, last, 1);
+    else tell_some(boxes, w, c, first, last, 0);
 }
 
 /* Of the candidates that the worker has named, lets those that changed tell so. The others stay named: their
@@ -144,6 +175,7 @@ int msap_candidates_touch(struct grid *g, struct job *job)
 {
     struct touching t = {g, g->untold};
     job->worker->pairs.n = 0;
+    if (t.from > 0) msap_boxes_complete_before(job->boxes);
     if (!msap_phase_run(job->crew, job->memory, touch_untold, &t, t.from, 2 * WEIGHT_TOUCH) ||
         !msap_phase_run(job->crew, job->memory, touch, &t, g->candidates.n - t.from, WEIGHT_TOUCH))
         return 0;

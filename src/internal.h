@@ -644,7 +644,7 @@ static inline uint32_t near_slot(uint32_t entry) { return entry & ~NEAR_PAIR; }
 static inline int candidate_is_void(const struct box_table *t, uint32_t a, uint32_t b)
 {
     const struct box *p = &t->at[a], *q = &t->at[b];
-    return !(p->flags & q->flags & BOX_WAS) || p->level != NO_LEVEL || q->level != NO_LEVEL;
+    return !(p->flags & q->flags & BOX_WAS) | ((p->level & q->level) != NO_LEVEL); /* which has all bits */
 }
 
 /* The neighbours of a box: slots above its own first. */
