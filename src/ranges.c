@@ -42,51 +42,79 @@ static void count_in_many(const struct rows *r, const struct row_range *range, u
 
 static const struct row_range IN_NO_ROW = {NO_ROW, {0, 0}, 0}, IS_WIDE = {NO_ROW, {1, 1}, 0};
 
-/* In which rows a box is, if it is pruned and not wide. */
-static inline struct row_range range_of_box(const struct pruning *j, const struct rows *r, uint32_t slot)
+/* In which rows a box is, if it has the flags asked for and is not wide. */
+static inline struct row_range range_of_box(const struct rows *r, const struct box *b, const struct bounds *bounds,
+                                            uint32_t asked)
 {
-    uint32_t flags = j->job->boxes->at[slot].flags;
-    if ((flags & j->bounds.flags) != j->bounds.flags) return IN_NO_ROW;
-    const struct row_span s = rows_of(r, bounds_of_slot(&j->bounds, slot));
+    if ((b->flags & asked) != asked) return IN_NO_ROW;
+    const struct row_span s = rows_of(r, bounds);
     const struct row_range range = {
-        s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, (uint16_t)(flags & BOX_STATIC)};
+        s.row, {(uint8_t)s.more[0], (uint8_t)s.more[1]}, (uint16_t)(b->flags & BOX_STATIC)};
     if ((s.more[0] | s.more[1]) <= 1) return range;
     return rows_in(&s) <= MOST_ROWS ? range : IS_WIDE;
 }
 
-#if defined(__SSE2__)
-/* A bound of four boxes, so many bytes apart. */
-static inline __m128i four_bounds(const int32_t *bound, size_t step)
+/* Four boxes, and what is pruned as their bounds. */
+struct four_boxes {
+    const struct box *box[4];
+    const struct bounds *bounds[4];
+};
+
+/* Those of four slots; and those from a slot on. */
+static ALWAYS_INLINE struct four_boxes four_of_slots(const struct pruning *j, const uint32_t slot[4])
 {
-    const char *at = (const char *)bound;
-    __m128i a = _mm_cvtsi32_si128((int32_t)load_bits(at)), b = _mm_cvtsi32_si128((int32_t)load_bits(at + step)),
-            c = _mm_cvtsi32_si128((int32_t)load_bits(at + 2 * step)),
-            d = _mm_cvtsi32_si128((int32_t)load_bits(at + 3 * step));
-    return _mm_unpacklo_epi64(_mm_unpacklo_epi32(a, b), _mm_unpacklo_epi32(c, d));
+    const struct box *box = j->job->boxes->at;
+    const struct bounds_by_slot *all = &j->bounds;
+    const struct four_boxes f = {{box + slot[0], box + slot[1], box + slot[2], box + slot[3]},
+                                 {bounds_of_slot(all, slot[0]), bounds_of_slot(all, slot[1]),
+                                  bounds_of_slot(all, slot[2]), bounds_of_slot(all, slot[3])}};
+    return f;
+}
+static ALWAYS_INLINE struct four_boxes four_from_slot(const struct pruning *j, uint32_t slot)
+{
+    const struct box *box = &j->job->boxes->at[slot];
+    const struct bounds_by_slot from = {bounds_of_slot(&j->bounds, slot), j->bounds.step, 0};
+    const struct four_boxes f = {
+        {box, box + 1, box + 2, box + 3},
+        {bounds_of_slot(&from, 0), bounds_of_slot(&from, 1), bounds_of_slot(&from, 2), bounds_of_slot(&from, 3)}};
+    return f;
+}
+
+#if defined(__SSE2__)
+static ALWAYS_INLINE __m128i value_at(const struct bounds *b, size_t at)
+{
+    return _mm_cvtsi32_si128((int32_t)load_bits((const char *)b + at));
+}
+
+/* A value of each of four bounds, so many bytes from their start. */
+static ALWAYS_INLINE __m128i values_at(const struct bounds *const b[4], size_t at)
+{
+    return _mm_unpacklo_epi64(_mm_unpacklo_epi32(value_at(b[0], at), value_at(b[1], at)),
+                              _mm_unpacklo_epi32(value_at(b[2], at), value_at(b[3], at)));
 }
 
 /* On an axis across: in which row each of four boxes starts; *more becomes in how many more it is. */
-static inline __m128i starts_of_four(const struct rows *r, int k, const struct bounds *bounds, size_t step,
-                                     __m128i *more)
+static ALWAYS_INLINE __m128i starts_of_four(const struct rows *r, int k, const struct bounds *const bounds[4],
+                                            __m128i *more)
 {
     __m128 scale = _mm_set1_ps(r->scale[k]);
-    __m128i low = units_lanes(scale, four_bounds(&bounds->min[r->axis[k + 1]], step));
-    __m128i high = units_lanes(scale, four_bounds(&bounds->max[r->axis[k + 1]], step));
+    size_t at = r->axis[k + 1] * sizeof(int32_t);
+    __m128i low = units_lanes(scale, values_at(bounds, offsetof(struct bounds, min) + at));
+    __m128i high = units_lanes(scale, values_at(bounds, offsetof(struct bounds, max) + at));
     *more = _mm_sub_epi32(high, low);
     return _mm_and_si128(low, _mm_set1_epi32((int32_t)r->count[k] - 1));
 }
 
-/* In which rows four boxes are, the bounds of which are read even if they are not pruned. Returns 0 if one of them
- * is not, or touches more than two on an axis; then what stands there means nothing. */
-static ALWAYS_INLINE int ranges_of_four(const struct pruning *j, const struct rows *r, size_t slot,
+/* In which rows four boxes are, the bounds of which are read even if they lack a flag. Returns 0 if one of them
+ * does, or touches more than two on an axis; then what stands there means nothing. */
+static ALWAYS_INLINE int ranges_of_four(const struct rows *r, const struct four_boxes *f, uint32_t asked,
                                         struct row_range range[4])
 {
-    const struct box *b = &j->job->boxes->at[slot];
-    const struct bounds *bounds = bounds_of_slot(&j->bounds, slot);
-    __m128i more_y, more_z, y = starts_of_four(r, 0, bounds, j->bounds.step, &more_y),
-                            z = starts_of_four(r, 1, bounds, j->bounds.step, &more_z);
-    __m128i flags = _mm_set_epi32(b[3].flags, b[2].flags, b[1].flags, b[0].flags);
-    __m128i lacks = _mm_andnot_si128(flags, _mm_set1_epi32((int32_t)j->bounds.flags)),
+    const struct box *const *b = f->box;
+    __m128i more_y, more_z, y = starts_of_four(r, 0, f->bounds, &more_y),
+                            z = starts_of_four(r, 1, f->bounds, &more_z);
+    __m128i flags = _mm_set_epi32(b[3]->flags, b[2]->flags, b[1]->flags, b[0]->flags);
+    __m128i lacks = _mm_andnot_si128(flags, _mm_set1_epi32((int32_t)asked)),
             are_many = _mm_srli_epi32(_mm_or_si128(more_y, more_z), 1);
     __m128i row = _mm_add_epi32(_mm_sll_epi32(z, _mm_cvtsi32_si128((int)r->shift)), y);
     __m128i is_static = _mm_slli_epi32(_mm_and_si128(flags, _mm_set1_epi32(BOX_STATIC)), 16);
@@ -97,11 +125,12 @@ static ALWAYS_INLINE int ranges_of_four(const struct pruning *j, const struct ro
 }
 #else
 /* The same, where it may touch more. */
-static int ranges_of_four(const struct pruning *j, const struct rows *r, size_t slot, struct row_range range[4])
+static int ranges_of_four(const struct rows *r, const struct four_boxes *f, uint32_t asked,
+                          struct row_range range[4])
 {
     int are_in = 1;
-    for (size_t i = 0; i < 4; i++) {
-        range[i] = range_of_box(j, r, (uint32_t)(slot + i));
+    for (int i = 0; i < 4; i++) {
+        range[i] = range_of_box(r, f->box[i], f->bounds[i], asked);
         are_in &= range[i].row != NO_ROW;
     }
     return are_in;
@@ -110,9 +139,10 @@ static int ranges_of_four(const struct pruning *j, const struct rows *r, size_t 
 
 enum { AT_ONCE = 64 };
 
-/* Some boxes, from a slot on: in which rows they are and were. */
+/* Some boxes: in which rows they are and were. */
 struct some_boxes {
-    size_t slot, n;
+    uint32_t slot[AT_ONCE];
+    size_t n;
     struct row_range now[AT_ONCE], before[AT_ONCE];
     uint32_t listed[AT_ONCE]; /* [n_listed] those that are to be listed, by index */
     size_t n_listed;
@@ -123,24 +153,29 @@ static inline int is_in_same(const struct row_range *a, const struct row_range *
     return memcmp(a, b, n * sizeof *a) == 0;
 }
 
-/* Finds in which rows they are, and names the wide ones. */
-static void find_ranges(const struct pruning *j, struct counted *c, struct some_boxes *some)
+/* Finds in which rows they are, and names the wide ones. If they are in order, they are all from one slot on. */
+static ALWAYS_INLINE void find_ranges(const struct pruning *j, struct counted *c, struct some_boxes *some,
+                                      int are_in_order)
 {
     const struct rows rows_now = *j->rows, *r = &rows_now;
-    size_t slot = some->slot, n = some->n;
-    for (size_t i = 0; i < n; i += 4) {
-        if (n - i >= 4 && ranges_of_four(j, r, slot + i, some->now + i)) continue;
+    const uint32_t *slot = some->slot, asked = j->bounds.flags;
+    for (size_t i = 0, n = some->n; i < n; i += 4) {
+        if (n - i >= 4) {
+            const struct four_boxes f = are_in_order ? four_from_slot(j, slot[i]) : four_of_slots(j, slot + i);
+            if (ranges_of_four(r, &f, asked, some->now + i)) continue;
+        }
         for (size_t k = i; k < n && k < i + 4; k++) {
-            some->now[k] = range_of_box(j, r, (uint32_t)(slot + k));
-            if (is_in_same(&some->now[k], &IS_WIDE, 1)) j->wide[c->first + c->n_wide++] = (uint32_t)(slot + k);
+            some->now[k] =
+                range_of_box(r, &j->job->boxes->at[slot[k]], bounds_of_slot(&j->bounds, slot[k]), asked);
+            if (is_in_same(&some->now[k], &IS_WIDE, 1)) j->wide[c->first + c->n_wide++] = slot[k];
         }
     }
 }
 
-/* Finds in which they were, and notes in which they are. */
+/* Finds in which they were, and notes in which they are: all from one slot on. */
 static void exchange_ranges(const struct counting *all, struct some_boxes *some)
 {
-    size_t slot = some->slot, n = some->n, known = slot < all->had ? all->had - slot : 0;
+    size_t slot = some->slot[0], n = some->n, known = slot < all->had ? all->had - slot : 0;
     if (known > n) known = n;
     if (known > 0) memcpy(some->before, all->last + slot, known * sizeof *some->before);
     for (size_t i = known; i < n; i++) some->before[i] = IN_NO_ROW;
@@ -156,7 +191,7 @@ static inline size_t entries_of(const struct row_range *range)
 /* Where rows are kept: lists those that are in others than they were. */
 static void list_moved(const struct pruning *j, struct counted *c, struct some_boxes *some)
 {
-    uint8_t *has_moved = j->has_moved + some->slot;
+    uint8_t *has_moved = j->has_moved + some->slot[0];
     size_t n = 0;
     memset(has_moved, 0, some->n);
     for (size_t i = 0; i < some->n; i++) {
@@ -175,15 +210,22 @@ static void list_moved(const struct pruning *j, struct counted *c, struct some_b
 }
 
 /* Where they are made anew: lists all. */
-static void list_all(struct counted *c, struct some_boxes *some)
+static void list_all(struct some_boxes *some)
 {
     size_t n = 0;
     for (size_t i = 0; i < some->n; i++) {
-        c->changed += !is_in_same(some->now + i, some->before + i, 1);
         some->listed[n] = (uint32_t)i;
         n += some->now[i].row != NO_ROW;
     }
     some->n_listed = n;
+}
+
+/* How many are in others than they were. */
+static size_t count_moved(const struct some_boxes *some)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < some->n; i++) n += !is_in_same(some->now + i, some->before + i, 1);
+    return n;
 }
 
 /* Counts those that are listed, each in the rows that it is in. */
@@ -194,7 +236,7 @@ static void count_listed(const struct pruning *j, struct counted *c, const struc
     uint64_t *order = j->order + c->first + c->n_listed;
     uint32_t *end = c->end, sweep_axis = r->axis[0];
     for (size_t i = 0, n = some->n_listed; i < n; i++) {
-        uint32_t k = some->listed[i], slot = (uint32_t)(some->slot + k);
+        uint32_t k = some->listed[i], slot = some->slot[k];
         const struct row_range *now = &some->now[k];
         if ((now->more[0] | now->more[1]) <= 1) count_in_few(r, now, end);
         else count_in_many(r, now, end);
@@ -213,12 +255,17 @@ static void count_some(void *context, struct worker *w, size_t first, size_t las
     struct counted c = {first, 0, 0, 0, 0, worker == 0 ? j->end : j->end_by + (worker - 1) * rows};
     struct some_boxes some;
     memset(c.end, 0, rows * sizeof *c.end);
-    for (some.slot = first; some.slot < last; some.slot += some.n) {
-        some.n = last - some.slot < AT_ONCE ? last - some.slot : AT_ONCE;
-        find_ranges(j, &c, &some);
+    for (size_t slot = first; slot < last; slot += some.n) {
+        some.n = last - slot < AT_ONCE ? last - slot : AT_ONCE;
+        for (size_t i = 0; i < AT_ONCE; i += 4) count_four(some.slot + i, (uint32_t)(slot + i));
+        find_ranges(j, &c, &some, 1);
         exchange_ranges(all, &some);
-        if (j->has_moved) list_moved(j, &c, &some);
-        else list_all(&c, &some);
+        if (j->has_moved) {
+            list_moved(j, &c, &some);
+        } else {
+            c.changed += count_moved(&some);
+            list_all(&some);
+        }
         count_listed(j, &c, &some);
     }
     all->by[worker] = c;
@@ -279,24 +326,17 @@ static int place_arrays(struct pruning *j, struct scratch *words, size_t had, in
     return 1;
 }
 
-/* Counts some of the boxes alone, as count_some counts all. */
-static void count_few(struct pruning *j, const uint32_t *slot, size_t n)
+/* Finds the rows of n boxes, counts them in these, and names the wide ones. */
+static void count_few(const struct pruning *j, struct counted *c, const uint32_t *slot, size_t n)
 {
-    enum { AHEAD = 12 };
-    const struct bounds_by_slot all = j->bounds;
-    const struct rows rows_now = *j->rows, *r = &rows_now;
-    for (size_t i = 0; i < n; i++) {
-        if (n - i > AHEAD) prefetch(bounds_of_slot(&all, slot[i + AHEAD]));
-        const struct row_range range = range_of_box(j, r, slot[i]);
-        j->range[slot[i]] = range;
-        if (range.row == NO_ROW) {
-            j->wide[j->n_wide++] = slot[i];
-            continue;
-        }
-        if ((range.more[0] | range.more[1]) <= 1) count_in_few(r, &range, j->end);
-        else count_in_many(r, &range, j->end);
-        j->entries += entries_of(&range);
-        j->order[j->n_listed++] = key_make(bounds_of_slot(&all, slot[i])->min[r->axis[0]], 0, slot[i]);
+    struct some_boxes some;
+    for (size_t i = 0; i < n; i += some.n) {
+        some.n = n - i < AT_ONCE ? n - i : AT_ONCE;
+        memcpy(some.slot, slot + i, some.n * sizeof *slot);
+        find_ranges(j, c, &some, 0);
+        for (size_t k = 0; k < some.n; k++) j->range[some.slot[k]] = some.now[k];
+        list_all(&some);
+        count_listed(j, c, &some);
     }
 }
 
@@ -313,8 +353,10 @@ int msap_rows_count_few(struct pruning *j, const uint32_t *slot, size_t n, struc
     j->range = (struct row_range *)(void *)(at + n);
     j->wide = (uint32_t *)(void *)(at + n + slots);
     j->end = set->end;
+    struct counting all = {.pruning = j, .by = {{.end = j->end}}};
     memset(j->end, 0, rows * sizeof *j->end);
-    count_few(j, slot, n);
+    count_few(j, &all.by[0], slot, n);
+    add_up(j, &all);
     return 1;
 }
 
