@@ -139,7 +139,7 @@ static ALWAYS_INLINE void tell_some(const struct box_table *t, struct worker *w,
                        is_void_at(t, c[i + 2]) << 2 | is_void_at(t, c[i + 3]) << 3;
         for (size_t k = 0; k < 4; k++, odd >>= 1, are >>= 1) {
             if (odd & 1) tell_one(t, w, c, i + k);
-            else c[i + k] = (c[i + k] & ~(uint64_t)NEAR_PAIR) | (uint64_t)(are & 1) << 31;
+            else c[i + k] |= (uint64_t)(are & 1) << 31; /* if once more, the same */
         }
     }
     for (; i < end; i++) tell_one(t, w, c, i);
