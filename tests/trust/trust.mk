@@ -91,7 +91,7 @@ coverage: ## lines and branches of src/ that the tests reach, of which none may 
 	@tests/trust/coverage.sh $(BUILD)/coverage $(BUILD)/coverage-portable
 
 # What reaches those portable halves that take a lack of memory, boxes far away, very many, or in skins.
-run-portable: $(patsubst %,$(BUILD)/tests/unit/test_%,far_boxes kept_rows many_boxes memory renewing)
+run-portable: $(patsubst %,$(BUILD)/tests/unit/test_%,far_boxes kept_rows many_boxes memory renewing restless)
 	$(run_each)
 
 # Test-trust with a smaller pair explosion, in which each box is compared with each.

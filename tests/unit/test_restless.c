@@ -381,12 +381,14 @@ START_TEST(what_else_may_come_between)
         jump(&f, 0, WILD);
         if (how == 3) {
             put_some(&f, 6, 0); /* restless ones in the last slots, which the table forgets */
+            ok(msap_validate(f.s.world, NULL));
             step(&f);
         }
         if (how == 0) right(session_trim(&f.s));
         for (uint32_t i = 0; how == 1 && i < f.n; i++) set(&f, i, f.bounds[i]);
         if (how >= 2)
             while (f.n > WILD + 20) take_away(&f, how == 2 ? 0 : f.n - 1);
+        ok(msap_validate(f.s.world, NULL));
         step(&f);
         if (how >= 2) right(session_trim(&f.s));
         jump(&f, 0, WILD / 2);
@@ -398,6 +400,17 @@ END_TEST
 
 /* ---------------------------------------------------------- without memory */
 
+/* Gives back what the world has worked in. */
+static void forget_room(field *f)
+{
+    struct memory *m = &f->s.world->memory;
+    struct worker *w = &f->s.world->crew.worker[0];
+    msap_memory_resize(m, &w->found, &w->room_found, 0, 0, sizeof *w->found);
+    msap_keys_free(&w->settler.fresh, m);
+    msap_scratch_free(&f->s.world->scratch, m);
+    msap_renewal_free(&grid_of(f)->renewal, m);
+}
+
 /* From the commit on after which all were pruned, before the first ones are restless. */
 static void play(field *f, int row, int wide, int all, size_t n)
 {
@@ -406,16 +419,16 @@ static void play(field *f, int row, int wide, int all, size_t n)
         jump(f, 0, WILD);
         step(f);
     }
-    struct worker *w = &f->s.world->crew.worker[0]; /* what it has worked in is given back */
-    msap_memory_resize(&f->s.world->memory, &w->found, &w->room_found, 0, 0, sizeof *w->found);
-    msap_keys_free(&w->settler.fresh, &f->s.world->memory);
-    msap_renewal_free(&grid_of(f)->renewal, &f->s.world->memory);
+    forget_room(f);
+    struct row_set *set = &grid_of(f)->row_set;
+    msap_memory_resize(&f->s.world->memory, &set->reach, &set->room_reach, 0, 0, sizeof *set->reach);
     *(all ? &f->s.memory.fail_from : &f->s.memory.fail_at) = f->s.memory.calls + n;
     for (int frame = 0; frame < 4; frame++) {
         jump(f, 0, WILD + 20 * (uint32_t)frame);
         put_some(f, 4, 0);
         step(f);
     }
+    forget_room(f);
     calm_soon(f);
     jump(f, 0, WILD);
     step(f);
