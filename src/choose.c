@@ -149,7 +149,7 @@ size_t msap_count_newcomers(const struct grid *g)
     const struct watch *w = &g->watch;
     size_t again = 0;
     if (g->restless.n > 0) return g->restless.newcomers;
-    for (size_t i = 0; i < w->n; i++) again += w->slot[i] < t->used && box_is_changed(t, w->slot[i]);
+    for (size_t i = 0; i < w->n; i++) again += box_is_changed(t, w->slot[i]);
     if (w->n == 0) return 0;
     again = again * w->of / w->n;
     return again < t->n_changed ? t->n_changed - again : 0;

@@ -121,6 +121,7 @@ void msap_grid_trim(struct grid *g, struct memory *m, size_t slots)
     g->knows_pairs = 0;
     g->rows.chosen_for = 0;
     g->wide_found = g->wide_pruned = 0;
+    g->watch.n = 0; /* watched boxes are in slots of the table, which may be shorter now */
     g->slots = slots;
     msap_memory_shrink(m, &g->near.of, &g->near.room, slots, sizeof *g->near.of);
 }

@@ -972,7 +972,7 @@ enum { MOST_WATCHED = 16 };
 
 /* Some of the boxes that changed in the last commit: whether it will be the same ones again (choose.c). */
 struct watch {
-    uint32_t slot[MOST_WATCHED];
+    uint32_t slot[MOST_WATCHED]; /* watched boxes are in slots of the table */
     size_t n, of; /* so many of so many */
 };
 

@@ -200,6 +200,8 @@ const char *msap_restless_broken(const struct grid *g)
     const struct restless *r = &g->restless;
     const struct box_table *t = g->boxes;
     size_t marked = 0, listed = 0;
+    for (size_t i = 0; i < g->watch.n; i++)
+        if (g->watch.slot[i] >= t->used) return "a watched box is in no slot of the table";
     if (r->n > 0 && !g->is_jumping) return "boxes are restless while others are tracked";
     if (r->n > 0 && g->renewal.next != NO_RENEWAL) return "boxes are restless during a renewal";
     for (uint32_t slot = 0; slot < t->used; slot++) {

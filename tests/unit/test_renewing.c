@@ -604,7 +604,7 @@ START_TEST(lists_without_memory)
         walkers w;
         open_walk(&w, _i, 3, 15);
         for (int i = 0; i < 4; i++) put(&w, box_of(-9, -9, (float)i - 4, 29, 29, (float)i), 0.04f, 0);
-        put_some(&w, 260, 0.04f, 2);
+        put_some(&w, 340, 0.04f, 2); /* fewer are in one row, and none is wide */
         end_frame(&w);
         w.s.memory.fail_at = w.s.memory.calls + n;
         for (uint32_t frame = 0; frame < 4; frame++) {
@@ -665,9 +665,10 @@ enum { AT_ONCE, LATER, SPARSE, TURNING, WITH_MORE, WITH_WIDE, WALKS };
 static size_t walk_without_memory(int row, float step, int how, size_t n)
 {
     const uint32_t size[2][3] = {{16, 12, 8}, {48, 36, 24}};
+    const int boxes = how == WITH_WIDE ? 340 : 260; /* fewer are in one row */
     walkers w;
     open_walk(&w, row, 3, 10);
-    for (int i = 0; i < 260; i++) put(&w, in_block(&w, size[how == SPARSE]), step, i % 8 ? 0 : MSAP_STATIC);
+    for (int i = 0; i < boxes; i++) put(&w, in_block(&w, size[how == SPARSE]), step, i % 8 ? 0 : MSAP_STATIC);
     for (int i = 0; how == WITH_WIDE && i < 12; i++) put(&w, slab(&w), step, i % 8 ? 0 : MSAP_STATIC);
     walk(&w, 0);
     if (how != AT_ONCE && how != WITH_WIDE) end_frame(&w);
@@ -676,11 +677,13 @@ static size_t walk_without_memory(int row, float step, int how, size_t n)
     for (int frame = 0; frame < 15; frame++) {
         struct grid *g = &w.s.world->grid;
         if (how == WITH_MORE) put_some(&w, 12, step, 2);
-        if (how == WITH_MORE && frame == 2) g->layout[g->current].chosen_for = 1; /* and cells suit no more */
+        if (how >= WITH_MORE && frame == 2) g->layout[g->current].chosen_for = 1; /* and cells suit no more */
+        if (how == LATER && g->renewal.next == NO_RENEWAL) msap_renewal_free(&g->renewal, &w.s.world->memory);
         walk(&w, 0);
         end_frame(&w);
     }
     size_t failures = w.s.memory.failures;
+    if (how == WITH_WIDE && is_free(&w) && failures == 0) ck_assert_uint_gt(grid_of(&w)->wide_pruned, 0);
     right(session_close(&w.s));
     return failures;
 }
@@ -753,20 +756,23 @@ START_TEST(long_skins_are_left_at_once)
 }
 END_TEST
 
-/* Where few boxes are left there are no skins any more. */
+/* Where few boxes are left there are no skins any more, whether these have paid or not. */
 START_TEST(few_are_left)
 {
-    walkers w;
-    open_walk(&w, DEFAULT, 3, 20);
-    put_some(&w, 300, 0.15f, 0);
-    for (int frame = 0; frame < 60; frame++) {
-        walk(&w, 0);
-        if (frame == 20)
-            while (w.n > 240) take_away(&w, w.n - 1);
-        end_frame(&w);
+    static const float step[] = {0.15f, 0.02f};
+    for (size_t k = 0; k < COUNT(step); k++) {
+        walkers w;
+        open_walk(&w, DEFAULT, 3, 20);
+        put_some(&w, 300, step[k], 0);
+        for (int frame = 0; frame < 60; frame++) {
+            walk(&w, 0);
+            if (frame == 20)
+                while (w.n > 240) take_away(&w, w.n - 1);
+            end_frame(&w);
+        }
+        ck_assert(!grid_of(&w)->in_skins);
+        right(session_close(&w.s));
     }
-    ck_assert(!grid_of(&w)->in_skins);
-    right(session_close(&w.s));
 }
 END_TEST
 

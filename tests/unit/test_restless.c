@@ -398,6 +398,26 @@ START_TEST(what_else_may_come_between)
 }
 END_TEST
 
+/* Boxes in the last slots go, which the trimmed table forgets; so these are not watched any more. */
+START_TEST(watched_ones_are_forgotten)
+{
+    field f;
+    put_field(&f, _i, 3, SCENE_SPREAD, 0);
+    put_some(&f, WILD, 0);
+    step(&f);
+    for (int i = 0; i < WILD; i++) take_away(&f, f.n - 1);
+    step(&f);
+    if (is_free(&f)) ck_assert_uint_gt(grid_of(&f)->watch.n, 0);
+    right(session_trim(&f.s));
+    ok(msap_validate(f.s.world, NULL));
+    for (int frame = 0; frame < 3; frame++) {
+        jump(&f, 0, f.n);
+        step(&f);
+    }
+    right(session_close(&f.s));
+}
+END_TEST
+
 /* ---------------------------------------------------------- without memory */
 
 /* Gives back what the world has worked in. */
@@ -479,6 +499,11 @@ START_TEST(broken)
     ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
     ck_assert_str_eq(what, "boxes are restless during a renewal");
     grid_of(&f)->renewal.next = NO_RENEWAL;
+    grid_of(&f)->watch.n = 1;
+    grid_of(&f)->watch.slot[0] = f.s.world->boxes.used;
+    ck_assert_int_eq(msap_validate(f.s.world, &what), MSAP_ERROR_CORRUPT);
+    ck_assert_str_eq(what, "a watched box is in no slot of the table");
+    grid_of(&f)->watch.n = 0;
     ok(msap_validate(f.s.world, &what));
     right(session_close(&f.s));
 }
@@ -500,6 +525,7 @@ int main(void)
     tcase_add_loop_test(tests, wide_ones, 0, SETUPS);
     tcase_add_test(tests, many_become_wide);
     tcase_add_loop_test(tests, what_else_may_come_between, 0, SETUPS);
+    tcase_add_loop_test(tests, watched_ones_are_forgotten, 0, SETUPS);
     tcase_add_loop_test(tests, without_memory, 0, 1);
     tcase_add_test(tests, broken);
     return run_case(tests, "restless");
