@@ -45,38 +45,31 @@ static float value_of(int32_t ordered) { return float_from_bits(float_bits_from_
 
 /* ------------------------------------------------------------------ motion */
 
-/* Whether a box came in the last commit that changed it. */
-static int is_new(const struct box_table *t, uint32_t slot)
+/* What a box did in this commit or, between commits, in the last one. */
+enum deed { NOTHING, MOVED, CAME };
+
+static enum deed deed_of(const struct box_table *t, uint32_t slot)
 {
-    return t->past[slot].before.min[0] > t->past[slot].before.max[0];
+    const struct bounds *before = &t->past[slot].before;
+    if (t->at[slot].changed_in != t->epoch - (t->n_changed == 0)) return NOTHING;
+    return before->min[0] > before->max[0] ? CAME : MOVED;
 }
 
-/* Whether a box changed in this commit or, between commits, in the last one. */
-static int has_changed(const struct box_table *t, uint32_t slot)
+/* Where it was before. One that was not there has not moved. */
+static const struct bounds *moved_from(const struct box_table *t, uint32_t slot, enum deed deed)
 {
-    return t->at[slot].changed_in == t->epoch - (t->n_changed == 0);
-}
-
-/* Whether it came then. */
-static int has_come(const struct box_table *t, uint32_t slot) { return has_changed(t, slot) && is_new(t, slot); }
-
-/* Where a box was before it did. One that was not there has not moved. */
-static const struct bounds *moved_from(const struct box_table *t, uint32_t slot)
-{
-    int has_moved = has_changed(t, slot) && !is_new(t, slot);
-    return has_moved ? &t->past[slot].before : &t->at[slot].now;
+    return deed == MOVED ? &t->past[slot].before : &t->at[slot].now;
 }
 
 enum { CRAWL = 4 /* units in the last place, that one who crawls comes in a commit at the most */ };
 
 /* For how many commits a box has had its skin, if its mean motion since then may say more than this
  * commit's; or 0. */
-static uint32_t crawl_time(const struct grid *g, uint32_t slot)
+static inline uint32_t crawl_time(const struct grid *g, uint32_t slot, enum deed deed)
 {
-    const struct box *b = &g->boxes->at[slot];
     uint32_t age = skin_age(g, slot);
-    int has_skin = (b->level != NO_LEVEL || g->in_skins) && !has_come(g->boxes, slot);
-    return has_skin && age > 1 && age < HORIZON_MOST ? age : 0;
+    if (deed == CAME || age <= 1 || age >= HORIZON_MOST) return 0;
+    return g->in_skins || g->boxes->at[slot].level != NO_LEVEL ? age : 0;
 }
 
 /* How the box moves: its bounds, and how far they go down and up in a commit, by this one or, where
@@ -86,6 +79,7 @@ static uint32_t crawl_time(const struct grid *g, uint32_t slot)
 struct motion {
     __m128 low, high, down, up;
     float size, step; /* the largest of all axes */
+    enum deed deed;
 };
 
 /* The three floats of ordered integers, and behind them a 0. */
@@ -125,7 +119,8 @@ static inline __m128i way_of(const struct grid *g, uint32_t slot)
 static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
+    m.deed = deed_of(g->boxes, slot);
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot, m.deed);
     const __m128 zero = _mm_setzero_ps(), sign = _mm_set1_ps(-0.0f);
     __m128i min = load_bounds(now->min), step = _mm_sub_epi32(min, load_bounds(before->min));
     m.low = values_of(min);
@@ -133,7 +128,7 @@ static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot
     m.down = _mm_sub_ps(m.low, values_of(load_bounds(before->min)));
     m.up = _mm_sub_ps(m.high, values_of(load_bounds(before->max)));
     __m128i axes = are_within(step, CRAWL);
-    uint32_t commits = _mm_movemask_ps(_mm_castsi128_ps(axes)) & 7 ? crawl_time(g, slot) : 0;
+    uint32_t commits = _mm_movemask_ps(_mm_castsi128_ps(axes)) & 7 ? crawl_time(g, slot, m.deed) : 0;
     if (commits > 0) {
         __m128i way = way_of(g, slot);
         axes = _mm_and_si128(axes, are_within(way, CRAWL * (int32_t)commits));
@@ -175,6 +170,7 @@ static ALWAYS_INLINE void reach_out(const struct bounds *now, struct bounds *fat
 struct motion {
     float low[3], high[3], down[3], up[3];
     float size, step; /* the largest of all axes */
+    enum deed deed;
 };
 
 static float larger(float a, float b) { return a > b ? a : b; }
@@ -193,8 +189,9 @@ static int32_t way_of(const struct grid *g, uint32_t slot, int k)
 static ALWAYS_INLINE struct motion motion_of(const struct grid *g, uint32_t slot)
 {
     struct motion m;
-    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot);
-    uint32_t commits = crawl_time(g, slot);
+    m.deed = deed_of(g->boxes, slot);
+    const struct bounds *now = &g->boxes->at[slot].now, *before = moved_from(g->boxes, slot, m.deed);
+    uint32_t commits = crawl_time(g, slot, m.deed);
     m.size = m.step = 0;
     for (int k = 0; k < 3; k++) {
         int32_t way = way_of(g, slot, k);
@@ -359,7 +356,7 @@ static ALWAYS_INLINE void skin_ahead(const struct grid *g, uint32_t slot, float 
     if (m.size > largest) m.size = largest;
     float horizon = reach(&m, (float)g->upkeep.horizon, b->wobble == 0 ? STEADY_SIZES : 1),
           aside = m.step * horizon * (float)b->wobble / 8;
-    float least = m.size * (float)(has_come(g->boxes, slot) ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
+    float least = m.size * (float)(m.deed == CAME ? 12 : 1 + 2 * b->wobble) / LEAST_PART;
     if (has_end) reach_out(&b->now, fat, &m, horizon, aside > least ? aside : least, STEP_ASIDE);
     else *fat = b->now;
 }
@@ -410,7 +407,7 @@ double msap_skin_growth(const struct grid *g, uint32_t slot, float *commits)
 /* Whether a box has made a step of a few units in the last place, on each axis. */
 static int has_crawled(const struct box_table *t, uint32_t slot)
 {
-    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot);
+    const struct bounds *now = &t->at[slot].now, *before = moved_from(t, slot, deed_of(t, slot));
     int n = 0;
     for (int k = 0; k < 3; k++) {
         int64_t way = (int64_t)now->min[k] - before->min[k];
@@ -427,7 +424,7 @@ int msap_most_crawl(const struct grid *g)
     const struct box_table *t = g->boxes;
     size_t step = t->used / SAMPLES + 1, crawling = 0, moving = 0;
     for (uint32_t slot = 0; slot < t->used; slot += (uint32_t)step) {
-        if (!(t->at[slot].flags & BOX_LIVE) || !has_changed(t, slot) || is_new(t, slot)) continue;
+        if (!(t->at[slot].flags & BOX_LIVE) || deed_of(t, slot) != MOVED) continue;
         moving++;
         crawling += (size_t)has_crawled(t, slot);
     }
@@ -441,7 +438,7 @@ int msap_skin_will_be_left(const struct grid *g, uint32_t slot, uint32_t commits
     enum { SOON = 8 };
     const struct box *b = &g->boxes->at[slot];
     struct readable then = {.fourth = 0};
-    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || !has_changed(g->boxes, slot)) return 0;
+    if (!(b->flags & BOX_LIVE) || b->flags & BOX_STATIC || deed_of(g->boxes, slot) == NOTHING) return 0;
     if (skin_age(g, slot) < SOON && has_crawled(g->boxes, slot)) return 0;
     struct motion m = motion_of(g, slot);
     reach_out(&b->now, &then.bounds, &m, (float)commits, 0, 0);
@@ -463,7 +460,7 @@ static inline void skin_starts(const struct grid *g, uint32_t slot, int are_new)
     enum { SHORT = 8, LONG_AGO = 24 };
     struct box *b = &g->boxes->at[slot];
     b->horizon = (uint8_t)(g->upkeep.is_first ? SHORT : g->upkeep.made_for);
-    if (are_new || has_come(g->boxes, slot) || skin_age(g, slot) > LONG_AGO) start(g, slot, 0);
+    if (are_new || deed_of(g->boxes, slot) == CAME || skin_age(g, slot) > LONG_AGO) start(g, slot, 0);
 }
 
 /* All boxes rest in their new skins. Those that are outside, or have none, are put on the list of those that
