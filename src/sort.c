@@ -229,6 +229,20 @@ static inline uint32_t step_of(struct line line, uint64_t key)
     return (uint32_t)(step < line.last ? step : line.last);
 }
 
+/* Whether most of some of the keys lie between the ends of the line: boxes may have gone elsewhere since it was
+ * drawn. */
+static int are_on(struct line line, const uint64_t *key, size_t n)
+{
+    enum { SAMPLES = 16 };
+    size_t step = n / SAMPLES + 1, on = 0, off = 0;
+    for (size_t i = 0; i < n; i += step) {
+        uint32_t at = step_of(line, key[i]);
+        if (at > 0 && at < (uint32_t)line.last) on++;
+        else off++;
+    }
+    return on > off;
+}
+
 /* Orders by steps of two digits of so many bits: by the lower digit, then by the upper one. scratch has room
  * for 2 n, which is fetched in order before it is written here and there. */
 static void sort_by_steps(uint64_t *key, size_t n, uint64_t *scratch, struct line line, unsigned digit)
@@ -264,8 +278,10 @@ void msap_sort_values(uint64_t *key, size_t n, uint64_t *scratch, float low, flo
     if (n > FEW && digit <= STEP_DIGIT && extent > least && extent < most) {
         float steps = (float)(1u << 2 * digit);
         struct line line = {low, steps / extent, steps - 1};
-        sort_by_steps(key, n, scratch, line, digit);
-        if (insertion_sort(key, n, PLACES * n)) return;
+        if (are_on(line, key, n)) {
+            sort_by_steps(key, n, scratch, line, digit);
+            if (insertion_sort(key, n, PLACES * n)) return;
+        }
     }
     msap_sort_keys(key, n, scratch);
 }
